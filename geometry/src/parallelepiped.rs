@@ -1,0 +1,124 @@
+//! The unit square and cube cut by a plane, and the inverse, in closed form (Scardovelli & Zaleski 2000).
+//!
+//! For the unit cube and a plane with normal `m`, reflecting and sorting the axes makes `0 <= m1 <= m2 <= m3`;
+//! with the depth `a` of the plane over the lowest corner, from the nearer end so that `2 a <= m1 + m2 + m3`:
+//!
+//! ```text
+//! V = a^3 / (6 m1 m2 m3)                                          a <= m1
+//! V = (3 a (a - m1) + m1^2) / (6 m2 m3) - c(a - m2) - c(a - m3)   m1 < a,  c(t) = max(t, 0)^3 / (6 m1 m2 m3)
+//! V = (2 a - m1 - m2) / (2 m3)                                    m1 + m2 <= a <= m3
+//! ```
+//!
+//! The cubic corrections `c` are at most `m1^2 / (6 m2 m3)`, so nothing cancels as `m1` goes to zero, as it
+//! does when the second and third line of the usual listing are put over `m1 m2 m3`. A square is a cube with `m1 = 0`.
+
+use crate::root::Value;
+
+/// The unit square or cube along one direction `m`.
+#[derive(Clone, Copy, Debug)]
+pub struct UnitCube {
+    m: [f64; 3],
+    sum: f64,
+}
+
+impl UnitCube {
+    /// For the direction `m`; two components for the square, three for the cube.
+    pub fn new(m: &[f64]) -> Self {
+        let mut magnitudes = [0.0; 3];
+        for (magnitude, component) in magnitudes.iter_mut().zip(m) {
+            *magnitude = component.abs();
+        }
+        let [a, b, c] = magnitudes;
+        let (a, b) = (a.min(b), a.max(b));
+        let (b, c) = (b.min(c), b.max(c));
+        let m = [a.min(b), a.max(b), c];
+        Self { m, sum: m[0] + m[1] + m[2] }
+    }
+
+    /// The depth of the highest corner over the lowest.
+    pub fn span(&self) -> f64 {
+        self.sum
+    }
+
+    /// The part of the volume below the depth `a`, and its derivative with respect to `a`.
+    pub fn volume(&self, a: f64) -> Value {
+        if a <= 0.0 {
+            return Value { value: 0.0, derivative: 0.0 };
+        }
+        if a >= self.sum {
+            return Value { value: 1.0, derivative: 0.0 };
+        }
+        if 2.0 * a <= self.sum {
+            self.lower_half(a)
+        } else {
+            let Value { value, derivative } = self.lower_half(self.sum - a);
+            Value { value: 1.0 - value, derivative }
+        }
+    }
+
+    fn lower_half(&self, a: f64) -> Value {
+        let [m1, m2, m3] = self.m;
+        if a < m1 {
+            let (r1, r2, r3) = (a / m1, a / m2, a / m3);
+            return Value { value: r1 * r2 * r3 / 6.0, derivative: 0.5 * r1 * r2 / m3 };
+        }
+        if a >= m1 + m2 && a <= m3 {
+            return Value { value: (2.0 * a - m1 - m2) / (2.0 * m3), derivative: 1.0 / m3 };
+        }
+        let inverse = 1.0 / (m2 * m3);
+        let mut value = (3.0 * a * (a - m1) + m1 * m1) * inverse / 6.0;
+        let mut derivative = (a - 0.5 * m1) * inverse;
+        for m in [m2, m3] {
+            let t = a - m;
+            if t > 0.0 {
+                let square = (t / m1) * t * inverse;
+                value -= square * t / 6.0;
+                derivative -= 0.5 * square;
+            }
+        }
+        Value { value, derivative }
+    }
+
+    /// The depth below which the part `fraction` in `[0, 1]` of the volume lies, and the number of
+    /// evaluations of [`UnitCube::volume`] that it took.
+    pub fn position(&self, fraction: f64) -> (f64, usize) {
+        if fraction <= 0.5 {
+            self.lower_position(fraction)
+        } else {
+            let (a, evaluations) = self.lower_position(1.0 - fraction);
+            (self.sum - a, evaluations)
+        }
+    }
+
+    fn lower_position(&self, fraction: f64) -> (f64, usize) {
+        let [m1, m2, m3] = self.m;
+        let corner = m1 * m1 / (6.0 * m2 * m3);
+        if fraction <= 0.0 {
+            return (0.0, 0);
+        }
+        if fraction < corner {
+            return ((6.0 * m1 * m2 * m3 * fraction).cbrt(), 0);
+        }
+        // m2 = 0 makes corner NaN: the section is then always a full one.
+        if corner.is_nan() || (m1 + m2 <= m3 && fraction >= (m1 + m2) / (2.0 * m3)) {
+            return (m3 * fraction + 0.5 * (m1 + m2), 0);
+        }
+        let mut a = 0.5 * (m1 + (m1 * m1 + 8.0 * m2 * m3 * (fraction - corner)).sqrt());
+        if a <= m2 {
+            return (a, 0);
+        }
+        // Convex from here on: the first step lands above the root, the others fall towards it.
+        let end = 0.5 * self.sum;
+        let mut evaluations = 0;
+        while evaluations < 12 {
+            let Value { value, derivative } = self.lower_half(a);
+            evaluations += 1;
+            let next = (a - (value - fraction) / derivative).min(end);
+            if (next - a).abs() <= f64::EPSILON * a {
+                return (next, evaluations);
+            }
+            a = next;
+        }
+        (a, evaluations)
+    }
+}

@@ -1,0 +1,288 @@
+//! The quadrilateral with four nodes, and its exact truncation by a line.
+//!
+//! As the [hexahedron](crate::hexahedron), it works in its own affine frame. For any point `p` on the line the divergence
+//! theorem gives, for any simple quadrilateral and with the winding number for any other (Eq. 87, 88),
+//!
+//! ```text
+//! 2 A = sum over edges of (t1 - t0) (y_a - p) x (y_b - y_a)
+//! ```
+//!
+//! where the edge from `a` to `b` is inside between its parameters `t0` and `t1`; the edge along the line gives nothing.
+//! The area is a quadratic in the plane constant between the heights of two nodes, so the inverse is a closed form.
+
+use nalgebra::Matrix2;
+
+use crate::cell::{Cell, Truncation};
+use crate::parallelepiped::UnitCube;
+use crate::plane_constant::{self, Monotone, PlaneConstant, PositionError, PositionMethod};
+use crate::root::Value;
+use crate::tolerance::{TWIST_AFFINE, TWIST_NEGLIGIBLE};
+use crate::{Defect, HalfSpace, Vector, defects, section};
+
+type Vector2 = Vector<2>;
+
+/// A quadrilateral prepared for truncation. Nodes counter-clockwise.
+#[derive(Clone, Copy, Debug)]
+pub struct Quad {
+    nodes: [Vector2; 4],
+    origin: Vector2,
+    jacobian: Matrix2<f64>,
+    determinant: f64,
+    /// The nodes in the affine frame.
+    local: [Vector2; 4],
+    local_area: f64,
+    affine: bool,
+}
+
+fn mean_edges(x: &[Vector2; 4]) -> [Vector2; 2] {
+    [0.5 * ((x[1] - x[0]) + (x[2] - x[3])), 0.5 * ((x[3] - x[0]) + (x[2] - x[1]))]
+}
+
+fn cross(a: &Vector2, b: &Vector2) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+impl Quad {
+    /// The quadrilateral with these nodes, counter-clockwise.
+    pub fn new(nodes: [Vector2; 4]) -> Self {
+        let [j1, j2] = mean_edges(&nodes);
+        let determinant = cross(&j1, &j2);
+        let centre = nodes[0] + 0.25 * nodes.iter().map(|x| x - nodes[0]).sum::<Vector2>();
+        let raw = (nodes[2] - nodes[3]) - (nodes[1] - nodes[0]);
+        let twist = Vector2::new(cross(&raw, &j2), cross(&j1, &raw)) / determinant;
+        if !(twist.amax() <= TWIST_AFFINE && twist.iter().all(|c| c.is_finite())) {
+            return Self::scaled(nodes, centre);
+        }
+        let affine = twist.amax() <= TWIST_NEGLIGIBLE;
+        let local = std::array::from_fn(|i| {
+            let y = Vector2::from_fn(|axis, _| Self::OFFSETS[i][axis] as f64);
+            if affine { y } else { y + twist * ((y[0] - 0.5) * (y[1] - 0.5)) }
+        });
+        let jacobian = Matrix2::from_columns(&[j1, j2]);
+        let origin = centre - jacobian * Vector2::repeat(0.5);
+        Self { nodes, origin, jacobian, determinant, local, local_area: 1.0, affine }
+    }
+
+    /// The frame for cells whose mean edges nearly vanish or fall together: a shift and a length scale.
+    fn scaled(nodes: [Vector2; 4], centre: Vector2) -> Self {
+        let extent = nodes.iter().map(|x| (x - centre).amax()).fold(0.0, f64::max);
+        let scale = if extent > 0.0 { extent } else { 1.0 };
+        let local = nodes.map(|x| (x - centre) / scale);
+        Self {
+            nodes,
+            origin: centre,
+            jacobian: Matrix2::identity() * scale,
+            determinant: scale * scale,
+            local,
+            local_area: 0.5 * cross(&(local[2] - local[0]), &(local[3] - local[1])),
+            affine: false,
+        }
+    }
+
+    /// The cell as its function area(depth) along one normal, in the affine frame.
+    fn along(&self, normal: &Vector2) -> Along<'_> {
+        let m = self.jacobian.tr_mul(normal);
+        let mut heights = self.local.map(|y| m.dot(&y));
+        let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
+        heights.iter_mut().for_each(|h| *h -= low);
+        Along { cell: self, m, cube: UnitCube::new(m.as_slice()), low, heights }
+    }
+}
+
+/// A quadrilateral along one normal, in its affine frame: heights of the nodes over the lowest of them.
+struct Along<'a> {
+    cell: &'a Quad,
+    m: Vector2,
+    /// The cell without its twist, along the same normal.
+    cube: UnitCube,
+    /// `m.y` of the lowest node.
+    low: f64,
+    heights: [f64; 4],
+}
+
+impl Monotone for Along<'_> {
+    fn span(&self) -> f64 {
+        self.heights.iter().copied().fold(0.0, f64::max)
+    }
+
+    fn total(&self) -> f64 {
+        self.cell.local_area
+    }
+
+    fn volume(&self, depth: f64) -> Value {
+        if self.cell.affine {
+            return self.cube.volume(depth);
+        }
+        let s = self.heights.map(|h| h - depth);
+        let inside = s.iter().filter(|&&s| s <= 0.0).count();
+        match inside {
+            0 => Value { value: 0.0, derivative: 0.0 },
+            4 => Value { value: self.cell.local_area, derivative: 0.0 },
+            3 => {
+                let Value { value, derivative } = self.lower_part(&s.map(|s| -s), -1.0);
+                Value { value: self.cell.local_area - value, derivative }
+            }
+            _ => self.lower_part(&s, 1.0),
+        }
+    }
+
+    fn start(&self, fraction: f64) -> f64 {
+        self.cube.position(fraction).0 * (self.span() / self.cube.span())
+    }
+
+    fn closed_form(&self, fraction: f64) -> Option<(f64, usize)> {
+        if self.cell.affine {
+            return Some(self.cube.position(fraction));
+        }
+        let target = fraction * self.cell.local_area;
+        let mut levels = self.heights;
+        levels.sort_unstable_by(f64::total_cmp);
+        let (mut low, mut below) = (levels[0], 0.0);
+        for (evaluations, high) in levels.into_iter().enumerate().skip(1) {
+            let upto = self.volume(high).value;
+            if upto >= target {
+                let width = high - low;
+                let middle = self.volume(low + 0.5 * width).value;
+                // area(low + t width) = below + t (linear + t square)
+                let linear = 4.0 * (middle - below) - (upto - below);
+                let square = 2.0 * ((upto - below) - 2.0 * (middle - below));
+                let wanted = target - below;
+                let root = (linear * linear + 4.0 * square * wanted).max(0.0).sqrt();
+                let t = if wanted > 0.0 { 2.0 * wanted / (linear + root) } else { 0.0 };
+                return Some((low + t.min(1.0) * width, evaluations + 1));
+            }
+            (low, below) = (high, upto);
+        }
+        None
+    }
+}
+
+impl Along<'_> {
+    /// Area and section where the heights `s` over a line with normal `sign m` are not positive.
+    fn lower_part(&self, s: &[f64; 4], sign: f64) -> Value {
+        let y = &self.cell.local;
+        let m2 = self.m.norm_squared();
+        let lowest = (1..4).fold(0, |best, i| if s[i] < s[best] { i } else { best });
+        let p = y[lowest] - self.m * (sign * s[lowest] / m2);
+        let mut double = 0.0;
+        let mut k = Vector2::zeros();
+        for a in 0..4 {
+            let b = (a + 1) & 3;
+            let part = match (s[a] <= 0.0, s[b] <= 0.0) {
+                (false, false) => continue,
+                (true, true) => 1.0,
+                (true, false) => -s[a] / (s[b] - s[a]),
+                (false, true) => -s[b] / (s[a] - s[b]),
+            };
+            let edge = y[b] - y[a];
+            double += part * cross(&(y[a] - p), &edge);
+            k += Vector2::new(edge[1], -edge[0]) * part;
+        }
+        Value { value: 0.5 * double, derivative: -sign * self.m.dot(&k) / m2 }
+    }
+}
+
+impl Cell<2> for Quad {
+    const NODES: usize = 4;
+    const FACES: usize = 4;
+    const VTK_CELL_TYPE: u8 = 9;
+    const OFFSETS: &'static [[usize; 2]] = &[[0, 0], [1, 0], [1, 1], [0, 1]];
+    const FACE_NODES: &'static [&'static [usize]] = &[&[3, 0], &[1, 2], &[0, 1], &[2, 3]];
+
+    fn from_corners(node: impl Fn([usize; 2]) -> Vector2) -> Self {
+        Self::new(std::array::from_fn(|i| node(Self::OFFSETS[i])))
+    }
+
+    fn swept(back: &[Vector2], face: &[Vector2]) -> Self {
+        assert!(back.len() == 2 && face.len() == 2, "a face of a quadrilateral has two nodes");
+        Self::new([face[0], face[1], back[1], back[0]])
+    }
+
+    fn nodes(&self) -> &[Vector2] {
+        &self.nodes
+    }
+
+    fn volume(&self) -> f64 {
+        self.determinant * self.local_area
+    }
+
+    fn is_affine(&self) -> bool {
+        self.affine
+    }
+
+    fn map(&self, local: &Vector2) -> Vector2 {
+        let x = &self.nodes;
+        let bottom = x[0] + (x[1] - x[0]) * local[0];
+        let top = x[3] + (x[2] - x[3]) * local[0];
+        bottom + (top - bottom) * local[1]
+    }
+
+    fn jacobian_determinant(&self, local: &Vector2) -> f64 {
+        let x = &self.nodes;
+        let mix = |a: Vector2, b: Vector2, t: f64| a + (b - a) * t;
+        cross(&mix(x[1] - x[0], x[2] - x[3], local[1]), &mix(x[3] - x[0], x[2] - x[1], local[0]))
+    }
+
+    fn mean_edge(&self, axis: usize) -> Vector2 {
+        mean_edges(&self.nodes)[axis]
+    }
+
+    fn physical_gradient(&self, logical: &Vector2) -> Vector2 {
+        let [j1, j2] = mean_edges(&self.nodes);
+        (Vector2::new(j2[1], -j2[0]) * logical[0] + Vector2::new(-j1[1], j1[0]) * logical[1])
+            / cross(&j1, &j2)
+    }
+
+    fn face_area(&self, face: usize) -> Vector2 {
+        let [a, b] = [0, 1].map(|i| self.nodes[Self::FACE_NODES[face][i]]);
+        Vector2::new(b[1] - a[1], a[0] - b[0])
+    }
+
+    fn truncate(&self, half_space: &HalfSpace<2>) -> Truncation {
+        let along = self.along(&half_space.normal);
+        let depth = -half_space.height(&self.origin) - along.low;
+        let Value { value, derivative } = along.volume(depth);
+        Truncation { volume: self.determinant * value, section_area: self.determinant * derivative }
+    }
+
+    fn plane_constant(
+        &self,
+        normal: &Vector2,
+        fraction: f64,
+        method: PositionMethod,
+    ) -> Result<PlaneConstant, PositionError> {
+        plane_constant::check(normal.as_slice(), fraction, self.volume())?;
+        plane_constant::from_smaller_part(fraction, |sign, fraction| {
+            let along = self.along(&(normal * sign));
+            let found = plane_constant::find(&along, fraction, method)?;
+            Ok(found.shifted(along.low, sign, normal.dot(&self.origin)))
+        })
+    }
+
+    fn slab(&self, face: usize, fraction: f64) -> Self {
+        let depth = if self.affine {
+            fraction.clamp(0.0, 1.0)
+        } else {
+            let (axis, upper) = (face / 2, face % 2 == 1);
+            let section = |t: f64| {
+                let mut local = Vector2::repeat(0.5);
+                local[axis] = if upper { 1.0 - t } else { t };
+                self.jacobian_determinant(&local)
+            };
+            plane_constant::slab_depth([0.0, 0.5, 1.0].map(section), fraction)
+        };
+        let [a, b] = [0, 1].map(|i| Self::FACE_NODES[face][i]);
+        // The nodes opposite to a and b are their other neighbours around the cell.
+        let (before, after) = (self.nodes[(a + 3) & 3], self.nodes[(b + 1) & 3]);
+        let (a, b) = (self.nodes[a], self.nodes[b]);
+        Self::swept(&[a + (before - a) * depth, b + (after - b) * depth], &[a, b])
+    }
+
+    fn section(&self, half_space: &HalfSpace<2>) -> Vec<Vec<Vector2>> {
+        section::of_quad(&self.nodes, half_space)
+    }
+
+    fn defects(&self) -> Vec<Defect> {
+        defects::of_quad(&self.nodes)
+    }
+}

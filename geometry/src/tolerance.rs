@@ -1,0 +1,36 @@
+//! Every threshold of the kernel, each dimensionless and with its reason.
+
+/// A twist of a cell, relative to its mean edges, that is counted as none: it changes no volume by more than
+/// rounding does. Without it a mesh of exact boxes whose coordinates were rounded would miss the closed forms.
+pub const TWIST_NEGLIGIBLE: f64 = 2.0 * f64::EPSILON;
+
+/// The largest twist, relative to the mean edges, for which the affine frame is used. Valid cells stay below 4;
+/// bow-ties and folded swept regions have mean edges that nearly vanish, and dividing by them would lose digits.
+pub const TWIST_AFFINE: f64 = 16.0;
+
+/// Residual of a plane constant relative to the smaller of the two parts: the rounding of a truncated volume.
+/// Smaller, and the iteration would chase noise.
+pub const POSITION_RESIDUAL: f64 = 4.0 * f64::EPSILON;
+
+/// Residual, relative to the cell's volume, above which a plane constant is an error. Rounding stays far
+/// below; only a volume that is not monotone in the constant (an inverted cell) comes here.
+pub const POSITION_FAILURE: f64 = 1e-12;
+
+/// Evaluations after which the search for a plane constant gives up. Bisection alone needs 60; Brent's method
+/// on the worst valid cells stays below 30.
+pub const POSITION_EVALUATIONS: usize = 100;
+
+/// Largest distance of a sampled section edge from the true curve, relative to the extent of its ends.
+/// Smaller gives more points than a viewer can show.
+pub const SECTION_CHORD: f64 = 2e-3;
+
+/// A Jacobian determinant below this, relative to its largest Bernstein coefficient, is negative. Collapsed
+/// edges have determinant zero there up to rounding, and are legal.
+pub const JACOBIAN_NEGATIVE: f64 = -1e-12;
+
+/// Sub-boxes after which the search for a negative Jacobian determinant stops. The bounds converge with the
+/// square of the box size, so a cell that is still open then is within [`JACOBIAN_NEGATIVE`] of zero.
+pub const JACOBIAN_BOXES: usize = 20_000;
+
+/// An edge shorter than this, relative to the cell's longest, is noticed as collapsed.
+pub const EDGE_COLLAPSED: f64 = 1e-14;

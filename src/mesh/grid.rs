@@ -1,0 +1,92 @@
+//! Counting the cells, nodes and neighbours of a structured mesh. The first axis runs fastest.
+
+/// The topology of a structured mesh: cells per direction and which directions are periodic.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Grid<const D: usize> {
+    cells: [usize; D],
+    periodic: [bool; D],
+}
+
+impl<const D: usize> Grid<D> {
+    /// A grid with this many cells along each axis; `periodic` axes join their two ends.
+    pub fn new(cells: [usize; D], periodic: [bool; D]) -> Self {
+        Self { cells, periodic }
+    }
+
+    /// Cells along each axis.
+    pub fn cells(&self) -> [usize; D] {
+        self.cells
+    }
+
+    /// Which axes join their two ends.
+    pub fn periodic(&self) -> [bool; D] {
+        self.periodic
+    }
+
+    /// Number of cells.
+    #[expect(clippy::len_without_is_empty, reason = "a mesh is never empty")]
+    pub fn len(&self) -> usize {
+        self.cells.iter().product()
+    }
+
+    /// Index of the cell at an offset along each axis.
+    pub fn index(&self, offset: [usize; D]) -> usize {
+        (0..D).rev().fold(0, |index, axis| index * self.cells[axis] + offset[axis])
+    }
+
+    /// Offset of a cell along each axis.
+    pub fn offset(&self, mut index: usize) -> [usize; D] {
+        self.cells.map(|n| {
+            let at = index % n;
+            index /= n;
+            at
+        })
+    }
+
+    /// Distance in the index between neighbours along an axis.
+    pub fn stride(&self, axis: usize) -> usize {
+        self.cells[..axis].iter().product()
+    }
+
+    /// Number of nodes.
+    pub fn node_count(&self) -> usize {
+        self.cells.iter().map(|n| n + 1).product()
+    }
+
+    /// Index of the node at an offset along each axis.
+    pub fn node_index(&self, offset: [usize; D]) -> usize {
+        (0..D).rev().fold(0, |index, axis| index * (self.cells[axis] + 1) + offset[axis])
+    }
+
+    /// Offset of a node along each axis.
+    pub fn node_offset(&self, mut node: usize) -> [usize; D] {
+        self.cells.map(|n| {
+            let at = node % (n + 1);
+            node /= n + 1;
+            at
+        })
+    }
+
+    /// The cell across face `2 axis + side` (`side` 0 lower, 1 upper); none beyond an end that is not periodic.
+    pub fn neighbour(&self, index: usize, axis: usize, side: usize) -> Option<usize> {
+        let n = self.cells[axis];
+        let stride = self.stride(axis);
+        let at = index / stride % n;
+        match (side, at) {
+            (0, 0) => self.periodic[axis].then(|| index + (n - 1) * stride),
+            (0, _) => Some(index - stride),
+            (_, at) if at + 1 == n => self.periodic[axis].then(|| index - (n - 1) * stride),
+            _ => Some(index + stride),
+        }
+    }
+
+    /// The offset of a cell that lies `step` away from `offset`: wrapped along periodic axes, at the last cell
+    /// inside elsewhere (the mirror image of the first layer outside).
+    pub fn stepped(&self, offset: [usize; D], step: [isize; D]) -> [usize; D] {
+        std::array::from_fn(|axis| {
+            let n = self.cells[axis] as isize;
+            let at = offset[axis] as isize + step[axis];
+            (if self.periodic[axis] { at.rem_euclid(n) } else { at.clamp(0, n - 1) }) as usize
+        })
+    }
+}

@@ -1,0 +1,29 @@
+//! Work shared among threads, with results that do not depend on their number: every piece of work has its own
+//! place in the result, and sums are taken over blocks of fixed size in a fixed order.
+//!
+//! Without the feature `parallel` the same blocks are worked through by one thread.
+
+#[cfg(feature = "parallel")]
+use rayon::prelude::*;
+
+/// Items of one block of a sum, and the least work worth a thread.
+const BLOCK: usize = 256;
+
+/// `[work(0), work(1), ...]`, `count` of them.
+pub fn map<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    #[cfg(feature = "parallel")]
+    return (0..count).into_par_iter().with_min_len(BLOCK).map(work).collect();
+    #[cfg(not(feature = "parallel"))]
+    (0..count).map(work).collect()
+}
+
+/// The sum of `term(0) + term(1) + ...`, `count` of them: the same bits for any number of threads.
+pub fn sum(count: usize, term: impl Fn(usize) -> f64 + Sync + Send) -> f64 {
+    let block = |b: usize| (b * BLOCK..((b + 1) * BLOCK).min(count)).map(&term).sum::<f64>();
+    let blocks = count.div_ceil(BLOCK);
+    #[cfg(feature = "parallel")]
+    let sums: Vec<f64> = (0..blocks).into_par_iter().with_min_len(16).map(block).collect();
+    #[cfg(not(feature = "parallel"))]
+    let sums: Vec<f64> = (0..blocks).map(block).collect();
+    sums.into_iter().sum()
+}
