@@ -3,5 +3,12 @@
 
 pub use vofkit_geometry as geometry;
 
+pub mod advection;
+pub mod export;
+pub mod facet;
+pub mod interface;
 pub mod mesh;
+pub mod normal;
 pub mod parallel;
+pub mod tolerance;
+pub mod velocity;

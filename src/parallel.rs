@@ -27,3 +27,28 @@ pub fn sum(count: usize, term: impl Fn(usize) -> f64 + Sync + Send) -> f64 {
     let sums: Vec<f64> = (0..blocks).map(block).collect();
     sums.into_iter().sum()
 }
+
+/// Calls `work(i, &mut items[i], chunk i of flat)` for every item; the chunks have `flat.len() / items.len()` elements.
+pub fn for_each_with_chunk<T: Send, U: Send>(
+    items: &mut [T],
+    flat: &mut [U],
+    work: impl Fn(usize, &mut T, &mut [U]) + Sync + Send,
+) {
+    if items.is_empty() {
+        return;
+    }
+    let chunk = (flat.len() / items.len()).max(1);
+    #[cfg(feature = "parallel")]
+    items
+        .par_iter_mut()
+        .zip(flat.par_chunks_mut(chunk))
+        .with_min_len(16)
+        .enumerate()
+        .for_each(|(i, (item, part))| work(i, item, part));
+    #[cfg(not(feature = "parallel"))]
+    items
+        .iter_mut()
+        .zip(flat.chunks_mut(chunk))
+        .enumerate()
+        .for_each(|(i, (item, part))| work(i, item, part));
+}

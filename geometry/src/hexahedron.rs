@@ -18,13 +18,14 @@
 use nalgebra::Matrix3;
 
 use crate::cell::{Cell, Truncation};
+use crate::half_space::{compensated_dot, compensated_height};
 use crate::hyperbola;
 use crate::parallelepiped::UnitCube;
 use crate::plane_constant::{self, Monotone, PlaneConstant, PositionError, PositionMethod};
 use crate::root::Value;
 use crate::ruled_face::{SurfaceElement, area_vector};
 use crate::tolerance::{TWIST_AFFINE, TWIST_NEGLIGIBLE};
-use crate::{Defect, HalfSpace, Vector, defects, section};
+use crate::{Defect, HalfSpace, Vector, defects, jacobian, section};
 
 type Vector3 = Vector<3>;
 
@@ -32,6 +33,7 @@ type Vector3 = Vector<3>;
 #[derive(Clone, Copy, Debug)]
 pub struct Hexahedron {
     nodes: [Vector3; 8],
+    /// The frame's origin, relative to the first node.
     origin: Vector3,
     jacobian: Matrix3<f64>,
     determinant: f64,
@@ -52,14 +54,16 @@ fn twists(x: &[Vector3; 8]) -> [Vector3; 4] {
 }
 
 fn mean_edges(x: &[Vector3; 8]) -> [Vector3; 3] {
-    [
-        0.25 * ((x[1] - x[0]) + (x[2] - x[3]) + (x[5] - x[4]) + (x[6] - x[7])),
-        0.25 * ((x[3] - x[0]) + (x[2] - x[1]) + (x[7] - x[4]) + (x[6] - x[5])),
-        0.25 * ((x[4] - x[0]) + (x[5] - x[1]) + (x[6] - x[2]) + (x[7] - x[3])),
-    ]
+    let edge = |i: usize| x[Hexahedron::EDGES[i][1]] - x[Hexahedron::EDGES[i][0]];
+    [0, 4, 8].map(|i| 0.25 * (edge(i) + edge(i + 1) + edge(i + 2) + edge(i + 3)))
 }
 
 impl Hexahedron {
+    /// The edges as pairs of nodes, four along each axis, in the direction of the axis; the lower one of the two other
+    /// coordinates changes first.
+    pub const EDGES: [[usize; 2]; 12] =
+        [[0, 1], [3, 2], [4, 5], [7, 6], [0, 3], [1, 2], [4, 7], [5, 6], [0, 4], [1, 5], [3, 7], [2, 6]];
+
     /// The hexahedron with these nodes, in the order of `VTK_HEXAHEDRON`.
     pub fn new(nodes: [Vector3; 8]) -> Self {
         let edges = mean_edges(&nodes);
@@ -74,7 +78,7 @@ impl Hexahedron {
         ]);
         let twist = raw.map(|a| inverse * a);
         let size = twist.iter().map(|b| b.amax()).fold(0.0, f64::max);
-        let centre = nodes[0] + 0.125 * nodes.iter().map(|x| x - nodes[0]).sum::<Vector3>();
+        let centre = 0.125 * nodes.iter().map(|x| x - nodes[0]).sum::<Vector3>();
         if !(size <= TWIST_AFFINE) || !twist.iter().all(|b| b.iter().all(|c| c.is_finite())) {
             return Self::scaled(nodes, centre);
         }
@@ -104,9 +108,10 @@ impl Hexahedron {
 
     /// The frame for cells whose mean edges nearly vanish or fall together: a shift and a length scale.
     fn scaled(nodes: [Vector3; 8], centre: Vector3) -> Self {
-        let extent = nodes.iter().map(|x| (x - centre).amax()).fold(0.0, f64::max);
+        let relative = nodes.map(|x| (x - nodes[0]) - centre);
+        let extent = relative.iter().map(|x| x.amax()).fold(0.0, f64::max);
         let scale = if extent > 0.0 { extent } else { 1.0 };
-        let local = nodes.map(|x| (x - centre) / scale);
+        let local = relative.map(|x| x / scale);
         let [j1, j2, j3] = mean_edges(&local);
         let [a12, a13, a23, _] = twists(&local);
         let local_volume = j1.dot(&j2.cross(&j3))
@@ -133,7 +138,9 @@ impl Hexahedron {
         let mut heights = self.local.map(|y| m.dot(&y));
         let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
         heights.iter_mut().for_each(|h| *h -= low);
-        Along { cell: self, m, cube: UnitCube::new(m.as_slice()), low, heights }
+        let base = compensated_dot(normal, &self.nodes[0]);
+        let offset = normal.dot(&self.origin);
+        Along { cell: self, m, cube: UnitCube::new(m.as_slice()), base, offset, low, heights }
     }
 }
 
@@ -149,6 +156,10 @@ struct Along<'a> {
     m: Vector3,
     /// The cell without its twists, along the same normal.
     cube: UnitCube,
+    /// `n.x` of the first node.
+    base: [f64; 2],
+    /// `n.x` of the frame's origin over the first node.
+    offset: f64,
     /// `m.y` of the lowest node.
     low: f64,
     heights: [f64; 8],
@@ -194,6 +205,11 @@ impl Monotone for Along<'_> {
 }
 
 impl Along<'_> {
+    /// The height of the frame's origin over the plane.
+    fn height(&self, constant: f64) -> f64 {
+        compensated_height(self.base, self.offset, constant)
+    }
+
     /// Volume and section where the heights `s` over a plane with normal `sign m` are not positive.
     fn lower_part(&self, s: &[f64; 8], sign: f64) -> Value {
         let y = &self.cell.local;
@@ -338,13 +354,7 @@ impl Cell<3> for Hexahedron {
     }
 
     fn jacobian_determinant(&self, local: &Vector3) -> f64 {
-        let x = &self.nodes;
-        let [u, v, w] = [local[0], local[1], local[2]];
-        let mix = |a: Vector3, b: Vector3, t: f64| a + (b - a) * t;
-        let xi = mix(mix(x[1] - x[0], x[2] - x[3], v), mix(x[5] - x[4], x[6] - x[7], v), w);
-        let eta = mix(mix(x[3] - x[0], x[2] - x[1], u), mix(x[7] - x[4], x[6] - x[5], u), w);
-        let zeta = mix(mix(x[4] - x[0], x[5] - x[1], u), mix(x[7] - x[3], x[6] - x[2], u), v);
-        xi.dot(&eta.cross(&zeta))
+        jacobian::determinant(&self.nodes, (*local).into())
     }
 
     fn mean_edge(&self, axis: usize) -> Vector3 {
@@ -363,7 +373,7 @@ impl Cell<3> for Hexahedron {
 
     fn truncate(&self, half_space: &HalfSpace<3>) -> Truncation {
         let along = self.along(&half_space.normal);
-        let depth = -half_space.height(&self.origin) - along.low;
+        let depth = -along.height(half_space.constant) - along.low;
         let Value { value, derivative } = along.volume(depth);
         Truncation { volume: self.determinant * value, section_area: self.determinant * derivative }
     }
@@ -378,7 +388,7 @@ impl Cell<3> for Hexahedron {
         plane_constant::from_smaller_part(fraction, |sign, fraction| {
             let along = self.along(&(normal * sign));
             let found = plane_constant::find(&along, fraction, method)?;
-            Ok(found.shifted(along.low, sign, normal.dot(&self.origin)))
+            Ok(found.shifted(along.low, along.base, along.offset, sign))
         })
     }
 
@@ -408,7 +418,7 @@ impl Cell<3> for Hexahedron {
     }
 
     fn defects(&self) -> Vec<Defect> {
-        defects::of_hexahedron(&self.nodes)
+        defects::of_hexahedron(&self.nodes, self.volume(), &self.local, self.determinant.signum())
     }
 }
 

@@ -38,6 +38,7 @@ pub mod defects;
 pub mod half_space;
 pub mod hexahedron;
 pub mod hyperbola;
+mod jacobian;
 pub mod parallelepiped;
 pub mod plane_constant;
 pub mod quad;

@@ -13,6 +13,7 @@
 use nalgebra::Matrix2;
 
 use crate::cell::{Cell, Truncation};
+use crate::half_space::{compensated_dot, compensated_height};
 use crate::parallelepiped::UnitCube;
 use crate::plane_constant::{self, Monotone, PlaneConstant, PositionError, PositionMethod};
 use crate::root::Value;
@@ -25,6 +26,7 @@ type Vector2 = Vector<2>;
 #[derive(Clone, Copy, Debug)]
 pub struct Quad {
     nodes: [Vector2; 4],
+    /// The frame's origin, relative to the first node.
     origin: Vector2,
     jacobian: Matrix2<f64>,
     determinant: f64,
@@ -47,7 +49,7 @@ impl Quad {
     pub fn new(nodes: [Vector2; 4]) -> Self {
         let [j1, j2] = mean_edges(&nodes);
         let determinant = cross(&j1, &j2);
-        let centre = nodes[0] + 0.25 * nodes.iter().map(|x| x - nodes[0]).sum::<Vector2>();
+        let centre = 0.25 * nodes.iter().map(|x| x - nodes[0]).sum::<Vector2>();
         let raw = (nodes[2] - nodes[3]) - (nodes[1] - nodes[0]);
         let twist = Vector2::new(cross(&raw, &j2), cross(&j1, &raw)) / determinant;
         if !(twist.amax() <= TWIST_AFFINE && twist.iter().all(|c| c.is_finite())) {
@@ -65,9 +67,10 @@ impl Quad {
 
     /// The frame for cells whose mean edges nearly vanish or fall together: a shift and a length scale.
     fn scaled(nodes: [Vector2; 4], centre: Vector2) -> Self {
-        let extent = nodes.iter().map(|x| (x - centre).amax()).fold(0.0, f64::max);
+        let relative = nodes.map(|x| (x - nodes[0]) - centre);
+        let extent = relative.iter().map(|x| x.amax()).fold(0.0, f64::max);
         let scale = if extent > 0.0 { extent } else { 1.0 };
-        let local = nodes.map(|x| (x - centre) / scale);
+        let local = relative.map(|x| x / scale);
         Self {
             nodes,
             origin: centre,
@@ -85,7 +88,9 @@ impl Quad {
         let mut heights = self.local.map(|y| m.dot(&y));
         let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
         heights.iter_mut().for_each(|h| *h -= low);
-        Along { cell: self, m, cube: UnitCube::new(m.as_slice()), low, heights }
+        let base = compensated_dot(normal, &self.nodes[0]);
+        let offset = normal.dot(&self.origin);
+        Along { cell: self, m, cube: UnitCube::new(m.as_slice()), base, offset, low, heights }
     }
 }
 
@@ -95,6 +100,10 @@ struct Along<'a> {
     m: Vector2,
     /// The cell without its twist, along the same normal.
     cube: UnitCube,
+    /// `n.x` of the first node.
+    base: [f64; 2],
+    /// `n.x` of the frame's origin over the first node.
+    offset: f64,
     /// `m.y` of the lowest node.
     low: f64,
     heights: [f64; 4],
@@ -158,6 +167,11 @@ impl Monotone for Along<'_> {
 }
 
 impl Along<'_> {
+    /// The height of the frame's origin over the plane.
+    fn height(&self, constant: f64) -> f64 {
+        compensated_height(self.base, self.offset, constant)
+    }
+
     /// Area and section where the heights `s` over a line with normal `sign m` are not positive.
     fn lower_part(&self, s: &[f64; 4], sign: f64) -> Value {
         let y = &self.cell.local;
@@ -240,7 +254,7 @@ impl Cell<2> for Quad {
 
     fn truncate(&self, half_space: &HalfSpace<2>) -> Truncation {
         let along = self.along(&half_space.normal);
-        let depth = -half_space.height(&self.origin) - along.low;
+        let depth = -along.height(half_space.constant) - along.low;
         let Value { value, derivative } = along.volume(depth);
         Truncation { volume: self.determinant * value, section_area: self.determinant * derivative }
     }
@@ -255,7 +269,7 @@ impl Cell<2> for Quad {
         plane_constant::from_smaller_part(fraction, |sign, fraction| {
             let along = self.along(&(normal * sign));
             let found = plane_constant::find(&along, fraction, method)?;
-            Ok(found.shifted(along.low, sign, normal.dot(&self.origin)))
+            Ok(found.shifted(along.low, along.base, along.offset, sign))
         })
     }
 
@@ -283,6 +297,6 @@ impl Cell<2> for Quad {
     }
 
     fn defects(&self) -> Vec<Defect> {
-        defects::of_quad(&self.nodes)
+        defects::of_quad(&self.nodes, self.volume())
     }
 }

@@ -20,7 +20,7 @@ pub const POSITION_FAILURE: f64 = 1e-12;
 /// on the worst valid cells stays below 30.
 pub const POSITION_EVALUATIONS: usize = 100;
 
-/// Largest distance of a sampled section edge from the true curve, relative to the extent of its ends.
+/// Largest distance of a sampled section edge from the true curve, relative to the longer diagonal of its face.
 /// Smaller gives more points than a viewer can show.
 pub const SECTION_CHORD: f64 = 2e-3;
 
@@ -29,8 +29,18 @@ pub const SECTION_CHORD: f64 = 2e-3;
 pub const JACOBIAN_NEGATIVE: f64 = -1e-12;
 
 /// Sub-boxes after which the search for a negative Jacobian determinant stops. The bounds converge with the
-/// square of the box size, so a cell that is still open then is within [`JACOBIAN_NEGATIVE`] of zero.
+/// square of the box size, so only a cell whose determinant touches zero along a curve or a surface stays open that
+/// long; it has been sampled at more than this number of points without a negative value, and passes.
 pub const JACOBIAN_BOXES: usize = 20_000;
 
 /// An edge shorter than this, relative to the cell's longest, is noticed as collapsed.
 pub const EDGE_COLLAPSED: f64 = 1e-14;
+
+/// An orientation `l - r` of three points of the plane whose magnitude is below this times `|l| + |r|` may be rounding:
+/// the points count as collinear (Shewchuk 1997: 3 units of rounding, and two more for the scaling). Without it a
+/// quadrilateral with three nodes on a line would be non-convex by chance.
+pub const ORIENTATION: f64 = 3.0 * f64::EPSILON;
+
+/// Most chords that one curved edge of a section is sampled with. [`SECTION_CHORD`] asks for no more than 23 unless the
+/// face is folded; without a limit, coordinates near overflow could ask for any number.
+pub const SECTION_CHORDS: usize = 32;

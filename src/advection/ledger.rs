@@ -1,0 +1,91 @@
+//! What a step did, and what it corrected.
+
+use crate::interface::Counts;
+
+/// One material's account of a step: fractions before any correction, and every correction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MaterialLedger {
+    /// Smallest fraction before correction, among the cells of the band.
+    pub smallest: f64,
+    /// Largest fraction before correction, among the cells of the band.
+    pub largest: f64,
+    /// Volume moved by setting fractions below 0 to 0 and above 1 to 1, added up without sign.
+    pub clipped: f64,
+    /// Volume taken by scaling the fractions of a cell whose sum was above 1.
+    pub rescaled: f64,
+    /// Volume that left through open ends, less what came in.
+    pub outflow: f64,
+}
+
+impl Default for MaterialLedger {
+    fn default() -> Self {
+        Self {
+            smallest: f64::INFINITY,
+            largest: f64::NEG_INFINITY,
+            clipped: 0.0,
+            rescaled: 0.0,
+            outflow: 0.0,
+        }
+    }
+}
+
+impl MaterialLedger {
+    /// Adds another account.
+    pub fn add(&mut self, other: &Self) {
+        self.smallest = self.smallest.min(other.smallest);
+        self.largest = self.largest.max(other.largest);
+        self.clipped += other.clipped;
+        self.rescaled += other.rescaled;
+        self.outflow += other.outflow;
+    }
+}
+
+/// The largest single correction, and where it was.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LargestCorrection {
+    /// The change of a fraction.
+    pub fraction: f64,
+    /// The cell.
+    pub cell: usize,
+}
+
+/// What a step, or a whole run, did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ledger {
+    /// By material.
+    pub materials: Vec<MaterialLedger>,
+    /// The largest correction of a fraction.
+    pub largest_correction: LargestCorrection,
+    /// Reconstructions.
+    pub counts: Counts,
+    /// Sweeps.
+    pub sweeps: usize,
+    /// Cells of the band, added up over sweeps: those that were looked at.
+    pub cells_visited: usize,
+    /// Faces through which volume left a cell of the band, added up over sweeps.
+    pub faces_crossed: usize,
+    /// Those of them whose swept region was cut by a plane.
+    pub faces_cut: usize,
+}
+
+impl Ledger {
+    /// An empty account for a number of materials.
+    pub fn new(materials: usize) -> Self {
+        Self { materials: vec![MaterialLedger::default(); materials], ..Self::default() }
+    }
+
+    /// Adds another account, of the same materials.
+    pub fn add(&mut self, other: &Self) {
+        for (a, b) in self.materials.iter_mut().zip(&other.materials) {
+            a.add(b);
+        }
+        if other.largest_correction.fraction > self.largest_correction.fraction {
+            self.largest_correction = other.largest_correction;
+        }
+        self.counts.add(&other.counts);
+        self.sweeps += other.sweeps;
+        self.cells_visited += other.cells_visited;
+        self.faces_crossed += other.faces_crossed;
+        self.faces_cut += other.faces_cut;
+    }
+}

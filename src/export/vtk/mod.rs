@@ -1,0 +1,25 @@
+//! VTK XML files: what ParaView, VisIt and pyvista read.
+//!
+//! - [`structured_grid`]: a mesh with cell data (`.vts`);
+//! - [`poly_data`]: interface facets (`.vtp`);
+//! - [`collection`]: which files belong to which time (`.pvd`);
+//! - `appended`: the common form of the first two, XML followed by raw little-endian numbers.
+//!
+//! Numbers are 64 bits wide and not compressed; reading them back gives the same bits. Two-dimensional points and
+//! vectors get a third component 0.
+
+mod appended;
+pub mod collection;
+pub mod poly_data;
+pub mod structured_grid;
+
+pub use collection::Collection;
+pub use poly_data::write_poly_data;
+pub use structured_grid::{CellArray, CellValues, fraction_arrays, write_structured_grid};
+
+use super::printable;
+
+/// The text as it may stand in an attribute of XML.
+fn escaped(text: &str) -> String {
+    printable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

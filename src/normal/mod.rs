@@ -1,0 +1,75 @@
+//! Interface normals from the fractions around a cell: one file per method, an enum at the edge.
+
+mod youngs;
+
+use vofkit_geometry::{Cell, Vector};
+
+use crate::mesh::Grid;
+
+/// How the normal of the interface in a mixed cell is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum NormalMethod {
+    /// Youngs' gradient over the 3^D stencil, taken to physical space with the cell's Jacobian.
+    #[default]
+    Youngs,
+    /// The paper's form of Youngs' gradient: the logical axes stand for the Cartesian ones (Eq. 82).
+    YoungsLogical,
+}
+
+/// The fractions of one material in the 3^D cells around a cell. Beyond a wall or an open end stands the mirror image of the
+/// first layer inside.
+#[derive(Clone, Copy, Debug)]
+pub struct Stencil<const D: usize> {
+    /// By `sum (step_k + 1) 3^k`; the first `3^D` are used.
+    values: [f64; 27],
+}
+
+/// Cells of the stencil.
+const fn stencil_cells(dimension: usize) -> usize {
+    3_usize.pow(dimension as u32)
+}
+
+impl<const D: usize> Stencil<D> {
+    /// Collects the stencil of the cell at `offset`.
+    pub fn new(grid: &Grid<D>, fractions: &[f64], offset: [usize; D]) -> Self {
+        let cells = grid.cells();
+        let mut values = [0.0; 27];
+        let inner = (0..D).all(|k| offset[k] > 0 && offset[k] + 1 < cells[k]);
+        let centre = grid.index(offset);
+        for (place, value) in values[..stencil_cells(D)].iter_mut().enumerate() {
+            let step = step_of::<D>(place);
+            let index = if inner {
+                // Inside, a step is a fixed distance in the index.
+                (0..D).fold(centre as isize, |at, k| at + step[k] * grid.stride(k) as isize) as usize
+            } else {
+                grid.index(grid.stepped(offset, step))
+            };
+            *value = fractions[index];
+        }
+        Self { values }
+    }
+
+    /// The values with the step that leads to each of them.
+    pub fn iter(&self) -> impl Iterator<Item = ([isize; D], f64)> + '_ {
+        self.values[..stencil_cells(D)].iter().enumerate().map(|(place, &f)| (step_of::<D>(place), f))
+    }
+
+    /// The largest value.
+    pub fn largest(&self) -> f64 {
+        self.values[..stencil_cells(D)].iter().fold(0.0, |a, &b| a.max(b))
+    }
+}
+
+fn step_of<const D: usize>(place: usize) -> [isize; D] {
+    std::array::from_fn(|k| (place / 3_usize.pow(k as u32) % 3) as isize - 1)
+}
+
+impl NormalMethod {
+    /// The unit normal, out of the material; none where the fractions around the cell do not give one.
+    pub fn normal<C: Cell<D>, const D: usize>(self, cell: &C, stencil: &Stencil<D>) -> Option<Vector<D>> {
+        match self {
+            Self::Youngs => youngs::physical(cell, stencil),
+            Self::YoungsLogical => youngs::logical(cell, stencil),
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Volumes that cross faces, from integrals of the potential along edges.
+//!
+//! By Stokes' theorem the flux through a face, plane or ruled, is the circulation of the vector potential around its edges; in
+//! 2D the difference of the stream function between its two nodes. Each edge has one number that all its faces share, so
+//! the fluxes of a closed cell cancel. They cancel *exactly*, not to rounding, because for a step these numbers are rounded to multiples
+//! of one power of two: sums of them are then exact, and a cell's volume returns to the bit after the sweeps of a step.
+
+use vofkit_geometry::{Cell, Vector};
+
+use super::Field;
+use crate::mesh::{Grid, Mesh};
+use crate::parallel;
+use crate::tolerance::FLUX_BITS;
+
+/// Points and weights on `[0, 1]` for the integral of the potential along an edge.
+const EDGE_POINTS: usize = 5;
+
+/// Integrals of a field's potential along all edges of a mesh: its face fluxes at full amplitude, per time.
+#[derive(Clone, Debug)]
+pub struct FaceFluxes<const D: usize> {
+    grid: Grid<D>,
+    /// For each direction of edges (2D: z alone, at the nodes), the integral along the edge that starts at each node place.
+    edges: Vec<Vec<f64>>,
+    largest: f64,
+}
+
+/// The volumes that cross the faces in one step.
+#[derive(Clone, Copy, Debug)]
+pub struct StepFluxes<'a, const D: usize> {
+    source: &'a FaceFluxes<D>,
+    duration: f64,
+    /// Adding and subtracting this rounds to a multiple of the step's power of two.
+    rounder: f64,
+}
+
+/// Directions of the edges that carry the potential: in 2D z alone, whose edges are the nodes.
+fn edge_axes<const D: usize>() -> std::ops::Range<usize> {
+    if D == 2 { 2..3 } else { 0..3 }
+}
+
+/// Place of the edge along `axis` that starts at a node: there is one edge fewer than nodes along its own direction.
+fn edge_index<const D: usize>(cells: &[usize; D], axis: usize, at: [usize; D]) -> usize {
+    (0..D).rev().fold(0, |index, k| index * (cells[k] + usize::from(k != axis)) + at[k])
+}
+
+impl<const D: usize> FaceFluxes<D> {
+    /// Integrates the field's potential along every edge of the mesh, with five Gauss points.
+    pub fn new<C: Cell<D>>(mesh: &Mesh<C, D>, field: &Field) -> Self {
+        let grid = mesh.grid().clone();
+        let cells = grid.cells();
+        let rule = gauss_quad::legendre::GaussLegendre::new(
+            EDGE_POINTS.try_into().expect("the number of points is not zero"),
+        );
+        let points: Vec<(f64, f64)> = rule.iter().map(|(x, w)| (0.5 * (1.0 + x), 0.5 * w)).collect();
+        let embedded = |x: &Vector<D>| Vector::<3>::from_fn(|k, _| if k < D { x[k] } else { 0.0 });
+        let edges: Vec<Vec<f64>> = edge_axes::<D>()
+            .map(|axis| {
+                let extent: [usize; D] = std::array::from_fn(|k| cells[k] + usize::from(k != axis));
+                parallel::map(extent.iter().product(), |index| {
+                    let mut rest = index;
+                    let at = extent.map(|n| {
+                        let i = rest % n;
+                        rest /= n;
+                        i
+                    });
+                    let start = embedded(&mesh.nodes()[grid.node_index(at)]);
+                    if axis >= D {
+                        return field.potential(&start)[axis];
+                    }
+                    let mut next = at;
+                    next[axis] += 1;
+                    let edge = embedded(&mesh.nodes()[grid.node_index(next)]) - start;
+                    points.iter().map(|&(t, w)| w * field.potential(&(start + edge * t)).dot(&edge)).sum()
+                })
+            })
+            .collect();
+        let largest = edges.iter().flatten().fold(0.0_f64, |a, b| a.max(b.abs()));
+        Self { grid, edges, largest }
+    }
+
+    /// The volumes that cross the faces while the steady field acts for `duration`.
+    pub fn step(&self, duration: f64) -> StepFluxes<'_, D> {
+        let exponent = (self.largest * duration.abs()).max(f64::MIN_POSITIVE).log2().ceil() as i32;
+        // 1.5 * 2^52 quanta: the sum with a number below 2^51 quanta is rounded to whole quanta.
+        let rounder = 1.5 * 2.0_f64.powi(52 + exponent - FLUX_BITS);
+        StepFluxes { source: self, duration, rounder }
+    }
+}
+
+impl<const D: usize> StepFluxes<'_, D> {
+    /// The volume that crosses face `2 axis + side` of the cell at `offset` towards higher indices.
+    pub fn through(&self, mut offset: [usize; D], axis: usize, side: usize) -> f64 {
+        let grid = &self.source.grid;
+        let cells = grid.cells();
+        offset[axis] += side;
+        if grid.periodic()[axis] && offset[axis] == cells[axis] {
+            // The two ends are one face.
+            offset[axis] = 0;
+        }
+        let rounded = |slot: usize, edge: usize, at: [usize; D]| {
+            let value = self.source.edges[slot][edge_index(&cells, edge, at)] * self.duration;
+            (value + self.rounder) - self.rounder
+        };
+        let mut flux = 0.0;
+        for (slot, edge) in edge_axes::<D>().enumerate() {
+            if edge == axis {
+                continue;
+            }
+            let across = 3 - axis - edge;
+            if across >= D {
+                continue;
+            }
+            let mut far = offset;
+            far[across] += 1;
+            let difference = rounded(slot, edge, far) - rounded(slot, edge, offset);
+            // Right-handed (axis, across, edge) gives plus.
+            flux += if (across + 3 - axis) % 3 == 1 { difference } else { -difference };
+        }
+        flux
+    }
+
+    /// For how long the steady field acts in the step; negative backwards.
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// A volume rounded to the step's power of two, for fluxes that are to be added exactly.
+    pub fn round(&self, volume: f64) -> f64 {
+        (volume + self.rounder) - self.rounder
+    }
+}
