@@ -22,3 +22,9 @@ pub const OUTFLOW_EXCESS: f64 = 1e-12;
 /// A reversed flow whose remaining duration is below this, relative to the time it ran, is back at its start: the rounding of the
 /// sum of the steps.
 pub const REVERSAL_ROUNDING: f64 = 1e-12;
+
+/// A cell belongs to a fragment of a material where its fraction is above this: wisps below it join nothing.
+pub const FRAGMENT_FRACTION: f64 = 1e-6;
+
+/// A fragment counts where it holds more than this part of the material.
+pub const FRAGMENT_VOLUME: f64 = 1e-4;

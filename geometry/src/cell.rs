@@ -67,8 +67,21 @@ pub trait Cell<const D: usize>: Copy + Send + Sync + std::fmt::Debug + 'static {
     /// the mean Jacobian `J`. Not finite where `J` is singular.
     fn physical_gradient(&self, logical: &Vector<D>) -> Vector<D>;
 
-    /// The area vector of a face, outward: its integral of the unit normal (Eq. 21).
-    fn face_area(&self, face: usize) -> Vector<D>;
+    /// The area vector of a face with these nodes in outward order: the integral of its unit normal (Eq. 21).
+    ///
+    /// # Panics
+    /// If the slice does not hold the `2^(D-1)` nodes of a face.
+    fn area_vector(nodes: &[Vector<D>]) -> Vector<D>;
+
+    /// The area vector of one of the cell's faces, outward.
+    fn face_area(&self, face: usize) -> Vector<D> {
+        let mut nodes = [Vector::zeros(); 4];
+        let index = Self::FACE_NODES[face];
+        for (node, &i) in nodes.iter_mut().zip(index) {
+            *node = self.nodes()[i];
+        }
+        Self::area_vector(&nodes[..index.len()])
+    }
 
     /// What a plane leaves of the cell.
     fn truncate(&self, half_space: &HalfSpace<D>) -> Truncation;

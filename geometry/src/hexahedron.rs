@@ -127,11 +127,6 @@ impl Hexahedron {
         }
     }
 
-    fn face_of<'a>(nodes: &'a [Vector3; 8], face: usize) -> [&'a Vector3; 4] {
-        let index = Self::FACE_NODES[face];
-        std::array::from_fn(|i| &nodes[index[i]])
-    }
-
     /// The cell as its function volume(delta) along one normal, in the affine frame.
     fn along(&self, normal: &Vector3) -> Along<'_> {
         let m = self.jacobian.tr_mul(normal);
@@ -367,8 +362,9 @@ impl Cell<3> for Hexahedron {
         (j2.cross(&j3) * logical[0] + j3.cross(&j1) * logical[1] + j1.cross(&j2) * logical[2]) / determinant
     }
 
-    fn face_area(&self, face: usize) -> Vector3 {
-        area_vector(Self::face_of(&self.nodes, face))
+    fn area_vector(nodes: &[Vector3]) -> Vector3 {
+        let [a, b, c, d] = nodes else { panic!("a face of a hexahedron has four nodes") };
+        area_vector([a, b, c, d])
     }
 
     fn truncate(&self, half_space: &HalfSpace<3>) -> Truncation {

@@ -247,8 +247,8 @@ impl Cell<2> for Quad {
             / cross(&j1, &j2)
     }
 
-    fn face_area(&self, face: usize) -> Vector2 {
-        let [a, b] = [0, 1].map(|i| self.nodes[Self::FACE_NODES[face][i]]);
+    fn area_vector(nodes: &[Vector2]) -> Vector2 {
+        let [a, b] = nodes else { panic!("a face of a quadrilateral has two nodes") };
         Vector2::new(b[1] - a[1], a[0] - b[0])
     }
 

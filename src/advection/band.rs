@@ -9,8 +9,17 @@ use super::boundary::{Boundary, End};
 use crate::mesh::{Grid, Mesh};
 use crate::parallel;
 
-/// A cell outside the band.
-const OUTSIDE: u32 = u32::MAX;
+/// What lies across a face of a cell of the band.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Across {
+    /// The cell at this place in the band.
+    Member(u32),
+    /// A cell outside the band. Its fractions are those that the cell of the band had at the start of the step, or it would be in
+    /// the band.
+    Outside,
+    /// The end of the mesh.
+    End,
+}
 
 /// The cells of the band in ascending order, and the place of each cell in it.
 #[derive(Clone, Debug)]
@@ -18,6 +27,9 @@ pub(super) struct Band {
     cells: Vec<u32>,
     slot: Vec<u32>,
 }
+
+/// A cell outside the band.
+const OUTSIDE: u32 = u32::MAX;
 
 impl Band {
     pub(super) fn new(cells: usize) -> Self {
@@ -29,10 +41,13 @@ impl Band {
         &self.cells
     }
 
-    /// The place of a cell in [`Band::cells`].
-    pub(super) fn slot(&self, cell: usize) -> Option<usize> {
-        let slot = self.slot[cell];
-        (slot != OUTSIDE).then_some(slot as usize)
+    /// What lies across a face of a cell.
+    pub(super) fn across<const D: usize>(&self, grid: &Grid<D>, cell: usize, face: usize) -> Across {
+        match grid.neighbour(cell, face / 2, face % 2) {
+            None => Across::End,
+            Some(next) if self.slot[next] == OUTSIDE => Across::Outside,
+            Some(next) => Across::Member(self.slot[next]),
+        }
     }
 
     /// Collects all cells within `radius` cells, along every axis, of one whose fractions are not settled.
@@ -49,92 +64,78 @@ impl Band {
         self.cells.clear();
         let grid = mesh.grid();
         let row = grid.cells()[0];
-        let rows = grid.len() / row;
-        let seeds: Vec<Vec<u32>> = parallel::map(rows, |r| unsettled_in_row(grid, fractions, boundary, r));
+        let seeds = parallel::map(grid.len() / row, |r| {
+            let mut unsettled = Vec::new();
+            for (material, f) in fractions.iter().enumerate() {
+                let inflow = if boundary.inflow == Some(material) { 1.0 } else { 0.0 };
+                unsettled_in_row(grid, f, boundary, inflow, r * row, &mut unsettled);
+            }
+            unsettled
+        });
         for &seed in seeds.iter().flatten() {
-            self.add_around(grid, seed as usize, radius);
+            for cell in grid.around(seed as usize, radius) {
+                if self.slot[cell] == OUTSIDE {
+                    self.slot[cell] = 0;
+                    self.cells.push(cell as u32);
+                }
+            }
         }
         self.cells.sort_unstable();
         for (slot, &cell) in self.cells.iter().enumerate() {
             self.slot[cell as usize] = slot as u32;
         }
     }
-
-    fn add_around<const D: usize>(&mut self, grid: &Grid<D>, seed: usize, radius: usize) {
-        let at = grid.offset(seed);
-        let width = 2 * radius + 1;
-        for place in 0..width.pow(D as u32) {
-            let mut rest = place;
-            let step: [isize; D] = std::array::from_fn(|_| {
-                let step = (rest % width) as isize - radius as isize;
-                rest /= width;
-                step
-            });
-            // Steps beyond an end come back to its last cell, which is in the band anyway.
-            let cell = grid.index(grid.stepped(at, step));
-            if self.slot[cell] == OUTSIDE {
-                self.slot[cell] = 0;
-                self.cells.push(cell as u32);
-            }
-        }
-    }
 }
 
-/// The cells of one row along the first axis that are mixed, or differ from a neighbour or from what flows in.
+/// Adds the cells of the row along the first axis from `start` whose fraction is mixed, or differs from a neighbour's or
+/// from what flows in. A cell may come more than once.
 fn unsettled_in_row<const D: usize>(
     grid: &Grid<D>,
-    fractions: &[Vec<f64>],
+    f: &[f64],
     boundary: &Boundary<D>,
-    row: usize,
-) -> Vec<u32> {
-    let cells = grid.cells();
-    let start = row * cells[0];
-    let first = grid.offset(start);
-    let mut unsettled = Vec::new();
-    for (material, f) in fractions.iter().enumerate() {
-        let inflow = if boundary.inflow == Some(material) { 1.0 } else { 0.0 };
-        // The rows next to this one across the other axes.
-        for axis in 1..D {
-            for side in 0..2 {
-                match grid.neighbour(start, axis, side) {
-                    Some(next) => {
-                        let pairs = f[start..start + cells[0]].iter().zip(&f[next..next + cells[0]]);
-                        mark(&mut unsettled, start, pairs.map(|(a, b)| a != b));
+    inflow: f64,
+    start: usize,
+    unsettled: &mut Vec<u32>,
+) {
+    let length = grid.cells()[0];
+    let row = &f[start..start + length];
+    let mut mark = |i: usize| unsettled.push((start + i) as u32);
+    for axis in 1..D {
+        for side in 0..2 {
+            match grid.neighbour(start, axis, side) {
+                Some(next) => {
+                    let other = &f[next..next + length];
+                    if row != other {
+                        (0..length).filter(|&i| row[i] != other[i]).for_each(&mut mark);
                     }
-                    None if boundary.ends[axis][side] == End::Outflow => {
-                        mark(&mut unsettled, start, f[start..start + cells[0]].iter().map(|&a| a != inflow));
-                    }
-                    None => {}
                 }
-            }
-        }
-        for i in 0..cells[0] {
-            let value = f[start + i];
-            let end = [i == 0, i + 1 == cells[0]];
-            let differs = |side: usize| {
-                if !end[side] {
-                    return value != f[if side == 0 { start + i - 1 } else { start + i + 1 }];
+                None if boundary.ends[axis][side] == End::Outflow => {
+                    (0..length).filter(|&i| row[i] != inflow).for_each(&mut mark);
                 }
-                match grid.neighbour(start + i, 0, side) {
-                    Some(next) => value != f[next],
-                    None => boundary.ends[0][side] == End::Outflow && value != inflow,
-                }
-            };
-            if (value != 0.0 && value != 1.0) || differs(0) || differs(1) {
-                unsettled.push((start + i) as u32);
+                None => {}
             }
         }
     }
-    debug_assert_eq!(first[0], 0, "rows start at the lower end of the first axis");
-    unsettled.sort_unstable();
-    unsettled.dedup();
-    unsettled
-}
-
-fn mark(list: &mut Vec<u32>, start: usize, wanted: impl Iterator<Item = bool>) {
-    for (i, wanted) in wanted.enumerate() {
-        if wanted {
-            list.push((start + i) as u32);
+    let uniform = row.iter().all(|&value| value == row[0]);
+    if !uniform {
+        for i in 1..length {
+            if row[i - 1] != row[i] {
+                mark(i - 1);
+                mark(i);
+            }
+        }
+    }
+    if row[0] != 0.0 && row[0] != 1.0 {
+        // Also those that equal both neighbours.
+        (0..length).filter(|&i| row[i] != 0.0 && row[i] != 1.0).for_each(&mut mark);
+    }
+    for (side, i) in [0, length - 1].into_iter().enumerate() {
+        let differs = match grid.neighbour(start + i, 0, side) {
+            Some(next) => f[next] != row[i],
+            None => boundary.ends[0][side] == End::Outflow && row[i] != inflow,
+        };
+        if differs {
+            mark(i);
         }
     }
 }

@@ -1,7 +1,7 @@
-//! The volumes that one sweep moves through the faces, and the regions that they come from.
+//! The volumes that the sweeps of a step move through the faces, and the regions that they come from.
 //!
 //! Along *logical* axes a sweep uses the whole flux of two opposite faces, and the swept region is the slab of the donor cell
-//! that holds the fraction `flux / V*` of its volume. Along *Cartesian* axes (the paper's) a sweep moves every face by one
+//! that holds the fraction `phi / V*` of its volume. Along *Cartesian* axes (the paper's) a sweep moves every face by one
 //! component of the displacement: its flux volume is split into component fluxes
 //!
 //! ```text
@@ -13,6 +13,7 @@
 
 use vofkit_geometry::{Cell, Vector};
 
+use super::boundary::{Boundary, End};
 use crate::mesh::Mesh;
 use crate::parallel;
 use crate::tolerance::SWEPT_VOLUME_RATIO;
@@ -25,18 +26,16 @@ pub(super) struct NodalMotion<const D: usize> {
     acceleration: Vec<Vector<D>>,
 }
 
-fn truncated<const D: usize>(v: &Vector<3>) -> Vector<D> {
-    Vector::from_fn(|k, _| v[k])
-}
-
 impl<const D: usize> NodalMotion<D> {
     pub(super) fn new<C: Cell<D>>(mesh: &Mesh<C, D>, field: &Field) -> Self {
         let nodes = mesh.nodes();
-        let at = |i: usize| Vector::<3>::from_fn(|k, _| if k < D { nodes[i][k] } else { 0.0 });
-        Self {
-            velocity: parallel::map(nodes.len(), |i| truncated(&field.velocity(&at(i)))),
-            acceleration: parallel::map(nodes.len(), |i| truncated(&field.acceleration(&at(i)))),
-        }
+        let at_node = |value: &(dyn Fn(&Vector<3>) -> Vector<3> + Sync)| {
+            parallel::map(nodes.len(), |i| {
+                let value = value(&Vector::from_fn(|k, _| if k < D { nodes[i][k] } else { 0.0 }));
+                Vector::from_fn(|k, _| value[k])
+            })
+        };
+        Self { velocity: at_node(&|x| field.velocity(x)), acceleration: at_node(&|x| field.acceleration(x)) }
     }
 
     /// How far a node has come in the step: `T u - T^2/2 (u.grad) u`, second order in the duration `T`. The node came
@@ -46,109 +45,121 @@ impl<const D: usize> NodalMotion<D> {
     }
 }
 
-/// One sweep over a mesh: which part of the step's fluxes it moves.
+/// The volumes that leave a cell, by the axis of the sweep and by face; negative where they enter.
+pub(super) type Outward<const D: usize> = [[f64; 6]; D];
+
+/// The motion of one step.
 #[derive(Clone, Copy)]
-pub(super) struct Sweep<'a, C, const D: usize> {
+pub(super) struct Motion<'a, C, const D: usize> {
     pub(super) mesh: &'a Mesh<C, D>,
+    pub(super) boundary: &'a Boundary<D>,
     pub(super) fluxes: StepFluxes<'a, D>,
-    pub(super) axis: usize,
-    /// For Cartesian sweeps; without it the sweep runs along mesh lines.
-    pub(super) cartesian: Option<Cartesian<'a, D>>,
+    /// The axes of the sweeps, in order.
+    pub(super) order: [usize; D],
+    /// For Cartesian sweeps; without it the sweeps run along mesh lines.
+    pub(super) nodes: Option<&'a NodalMotion<D>>,
 }
 
-/// What a Cartesian sweep needs besides.
-#[derive(Clone, Copy)]
-pub(super) struct Cartesian<'a, const D: usize> {
-    pub(super) nodes: &'a NodalMotion<D>,
-    /// In the last sweep of a step the axes of those before it: it takes what they left of every flux.
-    pub(super) taken: Option<&'a [usize]>,
-}
-
-impl<C: Cell<D>, const D: usize> Sweep<'_, C, D> {
-    /// The faces that the sweep can move volume through.
-    pub(super) fn faces(&self) -> std::ops::Range<usize> {
-        if self.cartesian.is_some() { 0..C::FACES } else { 2 * self.axis..2 * self.axis + 2 }
+impl<C: Cell<D>, const D: usize> Motion<'_, C, D> {
+    /// The faces that a sweep along an axis can move volume through.
+    pub(super) fn faces(&self, axis: usize) -> std::ops::Range<usize> {
+        if self.nodes.is_some() { 0..C::FACES } else { 2 * axis..2 * axis + 2 }
     }
 
-    /// The volume that leaves the cell at `offset` through `face`; negative where it enters.
-    pub(super) fn outward(&self, offset: [usize; D], face: usize) -> f64 {
-        let (axis, side) = (face / 2, face % 2);
-        let whole = self.fluxes.through(offset, axis, side);
-        let flux = match &self.cartesian {
-            None => whole,
-            Some(cartesian) => self.component(cartesian, offset, axis, side, whole),
-        };
-        if side == 1 { flux } else { -flux }
+    /// What leaves the cell at `offset` in each of the sweeps.
+    pub(super) fn outward(&self, offset: [usize; D]) -> Outward<D> {
+        let grid = self.mesh.grid();
+        let mut outward = [[0.0; 6]; D];
+        for face in 0..C::FACES {
+            let (axis, side) = (face / 2, face % 2);
+            let last = if side == 1 { grid.cells()[axis] - 1 } else { 0 };
+            let at_end = offset[axis] == last && !grid.periodic()[axis];
+            if at_end && self.boundary.ends[axis][side] == End::Wall {
+                continue;
+            }
+            let sign = if side == 1 { 1.0 } else { -1.0 };
+            let whole = self.fluxes.through(offset, axis, side);
+            match self.nodes {
+                None => outward[axis][face] = sign * whole,
+                Some(nodes) => {
+                    let parts = self.components(nodes, offset, axis, side, whole);
+                    for (sweep, part) in outward.iter_mut().zip(parts) {
+                        sweep[face] = sign * part;
+                    }
+                }
+            }
+        }
+        outward
     }
 
-    /// The part of the flux towards higher indices through a face that belongs to this sweep's component.
-    fn component(
+    /// The flux towards higher indices through a face, split by the axes of the displacement; the last sweep takes
+    /// what the others leave.
+    fn components(
         &self,
-        cartesian: &Cartesian<'_, D>,
+        nodes: &NodalMotion<D>,
         mut offset: [usize; D],
         axis: usize,
         side: usize,
         whole: f64,
-    ) -> f64 {
+    ) -> [f64; D] {
         let grid = self.mesh.grid();
-        // Both cells of a face must split it alike: periodic images count as the first layer.
-        let mut side = side;
-        if side == 0 && offset[axis] > 0 {
-            offset[axis] -= 1;
-            side = 1;
-        } else if side == 1 && grid.periodic()[axis] && offset[axis] + 1 == grid.cells()[axis] {
-            offset[axis] = 0;
-            side = 0;
+        // Both cells of a face must split it alike: count it as the lower face of the cell above it, the two ends of a periodic axis
+        // as one.
+        offset[axis] += side;
+        if grid.periodic()[axis] {
+            offset[axis] %= grid.cells()[axis];
         }
-        let face = 2 * axis + side;
-        let cell = self.mesh.local_cell(grid.index(offset));
-        let sign = if side == 1 { 1.0 } else { -1.0 };
-        let area = cell.face_area(face) * sign;
-        let nodes = C::FACE_NODES[face];
-        let mean = nodes.iter().map(|&i| self.displacement(cartesian, offset, i)).sum::<Vector<D>>()
-            / nodes.len() as f64;
-        let rest = whole - mean.dot(&area);
-        let part =
-            |k: usize| self.fluxes.round(mean[k] * area[k] + rest * area[k] * area[k] / area.norm_squared());
-        match cartesian.taken {
-            None => part(self.axis),
-            Some(axes) => axes.iter().fold(whole, |left, &k| left - part(k)),
+        let index = C::FACE_NODES[2 * axis];
+        let mut corners = [Vector::<D>::zeros(); 4];
+        let mut mean = Vector::<D>::zeros();
+        for (corner, &i) in corners.iter_mut().zip(index) {
+            let node = grid.node_index(std::array::from_fn(|k| offset[k] + C::OFFSETS[i][k]));
+            *corner = self.mesh.nodes()[node];
+            mean += nodes.displacement(node, self.fluxes.duration());
         }
-    }
-
-    fn displacement(&self, cartesian: &Cartesian<'_, D>, offset: [usize; D], node: usize) -> Vector<D> {
-        let corner = C::OFFSETS[node];
-        let at = std::array::from_fn(|k| offset[k] + corner[k]);
-        cartesian.nodes.displacement(self.mesh.grid().node_index(at), self.fluxes.duration())
+        mean /= index.len() as f64;
+        let area = -C::area_vector(&corners[..index.len()]);
+        let rest = (whole - mean.dot(&area)) / area.norm_squared();
+        let mut parts = [0.0; D];
+        let (last, others) = self.order.split_last().expect("there is at least one axis");
+        let mut left = whole;
+        for &k in others {
+            parts[k] = self.fluxes.round(mean[k] * area[k] + rest * area[k] * area[k]);
+            left -= parts[k];
+        }
+        parts[*last] = left;
+        parts
     }
 
     /// The region behind `face` with the wanted volume, in the local coordinates of its donor `cell` at `offset`.
-    pub(super) fn region(&self, cell: &C, offset: [usize; D], face: usize, wanted: f64) -> C {
-        let Some(cartesian) = &self.cartesian else {
+    pub(super) fn region(&self, axis: usize, cell: &C, offset: [usize; D], face: usize, wanted: f64) -> C {
+        let Some(nodes) = self.nodes else {
             return cell.slab(face, wanted / cell.volume());
         };
         let index = C::FACE_NODES[face];
-        let count = index.len();
         let mut front = [Vector::<D>::zeros(); 4];
-        let mut back = front;
-        for (i, &node) in index.iter().enumerate() {
-            front[i] = cell.nodes()[node];
+        let mut depth = [0.0; 4];
+        for (i, &corner) in index.iter().enumerate() {
+            let node =
+                self.mesh.grid().node_index(std::array::from_fn(|k| offset[k] + C::OFFSETS[corner][k]));
+            front[i] = cell.nodes()[corner];
+            depth[i] = nodes.displacement(node, self.fluxes.duration())[axis];
         }
-        let mut trace = |depth: &dyn Fn(usize) -> f64| {
-            for i in 0..count {
-                back[i] = front[i];
-                back[i][self.axis] -= depth(i);
+        let front = &front[..index.len()];
+        let traced = |depth: [f64; 4]| {
+            let mut back = [Vector::<D>::zeros(); 4];
+            for (i, back) in back[..front.len()].iter_mut().enumerate() {
+                *back = front[i];
+                back[axis] -= depth[i];
             }
-            C::swept(&back[..count], &front[..count])
+            C::swept(&back[..front.len()], front)
         };
-        let moved = |i: usize| self.displacement(cartesian, offset, index[i])[self.axis];
         // Displacements along one direction: the volume is exactly linear in their scale.
-        let ratio = wanted / trace(&moved).volume();
+        let ratio = wanted / traced(depth).volume();
         if (SWEPT_VOLUME_RATIO.recip()..=SWEPT_VOLUME_RATIO).contains(&ratio) {
-            trace(&|i| ratio * moved(i))
+            traced(depth.map(|depth| ratio * depth))
         } else {
-            let uniform = wanted / cell.face_area(face)[self.axis];
-            trace(&|_| uniform)
+            traced([wanted / C::area_vector(front)[axis]; 4])
         }
     }
 }

@@ -11,10 +11,10 @@
 
 use vofkit_geometry::Cell;
 
-use super::band::Band;
-use super::boundary::{Boundary, End};
+use super::band::{Across, Band};
+use super::boundary::Boundary;
 use super::ledger::{LargestCorrection, Ledger, MaterialLedger};
-use super::motion::{Cartesian, NodalMotion, Sweep};
+use super::motion::{Motion, NodalMotion, Outward};
 use crate::interface::{self, Counts, Placed, Reconstruction, ReconstructionError, is_mixed};
 use crate::mesh::Mesh;
 use crate::parallel;
@@ -51,11 +51,18 @@ pub enum StepError {
     Reconstruction(#[from] ReconstructionError),
 }
 
-/// What leaves one cell in a sweep.
+/// One cell of the band, as it stands through the sweeps of a step.
+#[derive(Clone, Debug)]
+struct Member<const D: usize> {
+    cell: usize,
+    offset: [usize; D],
+    across: [Across; 6],
+    outward: Outward<D>,
+}
+
+/// What a cell did when it gave volume away in a sweep.
 #[derive(Clone, Debug, Default)]
-struct Outflow {
-    /// Volume through each face; zero where it enters.
-    volume: [f64; 6],
+struct Giving {
     counts: Counts,
     crossed: usize,
     cut: usize,
@@ -65,9 +72,9 @@ struct Outflow {
 /// One material in one cell of the band.
 #[derive(Clone, Copy, Debug, Default)]
 struct Content {
-    /// Its volume at the start of the step.
-    start: f64,
-    /// What came in since.
+    /// Its fraction at the start of the step.
+    initial: f64,
+    /// What came in since, as a volume.
     change: f64,
     fraction: f64,
     ledger: MaterialLedger,
@@ -86,13 +93,32 @@ pub struct Transport<'a, C, const D: usize> {
     nodes: Option<NodalMotion<D>>,
     overdraft: bool,
     band: Band,
-    /// By place in the band: the change of the tracked volume since the start of the step.
+    state: State<D>,
+}
+
+/// The band during a step, kept to reuse its memory. Everything is by place in the band.
+#[derive(Clone, Debug)]
+struct State<const D: usize> {
+    members: Vec<Member<D>>,
+    /// The change of the tracked volume since the start of the step.
     volume_change: Vec<f64>,
-    outflows: Vec<Outflow>,
-    /// By place in the band, face and material.
-    material_outflow: Vec<f64>,
-    /// By place in the band and material.
+    givings: Vec<Giving>,
+    /// What was given away in the sweep, by face and material.
+    given: Vec<f64>,
+    /// By material.
     contents: Vec<Content>,
+}
+
+impl<const D: usize> Default for State<D> {
+    fn default() -> Self {
+        Self {
+            members: Vec::new(),
+            volume_change: Vec::new(),
+            givings: Vec::new(),
+            given: Vec::new(),
+            contents: Vec::new(),
+        }
+    }
 }
 
 impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
@@ -115,10 +141,7 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
             nodes: cartesian.then(|| NodalMotion::new(mesh, &velocity.field)),
             overdraft: false,
             band: Band::new(mesh.grid().len()),
-            volume_change: Vec::new(),
-            outflows: Vec::new(),
-            material_outflow: Vec::new(),
-            contents: Vec::new(),
+            state: State::default(),
         }
     }
 
@@ -178,228 +201,207 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
         // Along mesh lines a cell's content moves by one cell per axis; with Cartesian sweeps, each over all faces, by D.
         let radius = if self.nodes.is_some() { D } else { 1 };
         self.band.collect(self.mesh, fractions, &self.boundary, radius);
-        self.begin(fractions);
-        let order = sweep_order::<D>(step);
-        for (sweep, &axis) in order.iter().enumerate() {
-            let taken = (sweep + 1 == D).then_some(&order[..sweep]);
-            self.sweep(fractions, duration, axis, taken, &mut ledger)?;
-        }
-        Ok(ledger)
-    }
-
-    fn begin(&mut self, fractions: &[Vec<f64>]) {
-        let (cells, materials) = (self.band.cells().len(), fractions.len());
-        self.volume_change.clear();
-        self.volume_change.resize(cells, 0.0);
-        self.outflows.resize_with(cells, Outflow::default);
-        self.material_outflow.resize(cells * materials * C::FACES, 0.0);
-        self.contents.clear();
-        for &cell in self.band.cells() {
-            let volume = self.mesh.volumes()[cell as usize];
-            self.contents.extend(fractions.iter().map(|f| {
-                let fraction = f[cell as usize];
-                Content { start: fraction * volume, fraction, ..Content::default() }
-            }));
-        }
+        let motion = Motion {
+            mesh: self.mesh,
+            boundary: &self.boundary,
+            fluxes: self.fluxes.step(duration),
+            order: sweep_order(step),
+            nodes: self.nodes.as_ref(),
+        };
+        let mut state = std::mem::take(&mut self.state);
+        state.begin(&motion, &self.band, fractions);
+        let done = motion
+            .order
+            .iter()
+            .try_for_each(|&axis| self.sweep(&motion, axis, &mut state, fractions, &mut ledger));
+        self.state = state;
+        done.map(|()| ledger)
     }
 
     fn sweep(
-        &mut self,
-        fractions: &mut [Vec<f64>],
-        duration: f64,
+        &self,
+        motion: &Motion<'_, C, D>,
         axis: usize,
-        taken: Option<&[usize]>,
+        state: &mut State<D>,
+        fractions: &mut [Vec<f64>],
         ledger: &mut Ledger,
     ) -> Result<(), StepError> {
-        let sweep = Sweep {
-            mesh: self.mesh,
-            fluxes: self.fluxes.step(duration),
-            axis,
-            cartesian: self.nodes.as_ref().map(|nodes| Cartesian { nodes, taken }),
-        };
-        let mut outflows = std::mem::take(&mut self.outflows);
-        let mut material_outflow = std::mem::take(&mut self.material_outflow);
-        parallel::for_each_with_chunk(&mut outflows, &mut material_outflow, |slot, outflow, materials| {
-            *outflow = Outflow::default();
-            materials.fill(0.0);
-            if let Err(error) = self.give(&sweep, fractions, slot, outflow, materials) {
-                outflow.error = Some(error);
+        let State { members, volume_change, givings, given, contents } = state;
+        parallel::for_each_with_chunk(givings, given, |slot, giving, given| {
+            *giving = Giving::default();
+            given.fill(0.0);
+            let member = &members[slot];
+            if let Err(error) = self.give(motion, axis, member, volume_change[slot], fractions, giving, given)
+            {
+                giving.error = Some(error);
             }
         });
-        self.outflows = outflows;
-        self.material_outflow = material_outflow;
-        for outflow in &mut self.outflows {
-            if let Some(error) = outflow.error.take() {
+        for giving in givings {
+            if let Some(error) = giving.error.take() {
                 return Err(error);
             }
-            ledger.counts.add(&outflow.counts);
-            ledger.faces_crossed += outflow.crossed;
-            ledger.faces_cut += outflow.cut;
+            ledger.counts.add(&giving.counts);
+            ledger.faces_crossed += giving.crossed;
+            ledger.faces_cut += giving.cut;
         }
-        let mut volume_change = std::mem::take(&mut self.volume_change);
-        let mut contents = std::mem::take(&mut self.contents);
-        parallel::for_each_with_chunk(&mut volume_change, &mut contents, |slot, change, contents| {
-            self.take(&sweep, fractions, slot, change, contents);
+        parallel::for_each_with_chunk(volume_change, contents, |slot, change, contents| {
+            self.exchange(motion, axis, members, slot, given, change, contents);
+            let volume = self.mesh.volumes()[members[slot].cell];
+            correct(volume, volume + *change, contents);
         });
-        self.volume_change = volume_change;
-        self.contents = contents;
-        self.settle(fractions, ledger);
+        ledger.sweeps += 1;
+        ledger.cells_visited += members.len();
+        settle(members, contents, fractions, ledger);
         Ok(())
     }
 
-    /// What leaves one cell in a sweep: volume by face, material by face and material.
+    /// What leaves one cell in a sweep, by face and material.
+    #[expect(clippy::too_many_arguments, reason = "what a sweep reads and what it makes, kept apart")]
     fn give(
         &self,
-        sweep: &Sweep<'_, C, D>,
+        motion: &Motion<'_, C, D>,
+        axis: usize,
+        member: &Member<D>,
+        volume_change: f64,
         fractions: &[Vec<f64>],
-        slot: usize,
-        outflow: &mut Outflow,
-        materials: &mut [f64],
+        giving: &mut Giving,
+        given: &mut [f64],
     ) -> Result<(), StepError> {
-        let index = self.band.cells()[slot] as usize;
-        let offset = self.mesh.grid().offset(index);
+        let Member { cell: index, offset, outward, .. } = *member;
         let volume = self.mesh.volumes()[index];
-        let tracked = volume + self.volume_change[slot];
-        let mut total = 0.0;
-        for face in sweep.faces() {
-            let flux = self.outward(sweep, index, offset, face);
-            if flux > 0.0 {
-                outflow.volume[face] = flux;
-                outflow.crossed += 1;
-                total += flux;
-            }
-        }
-        if total > tracked + OUTFLOW_EXCESS * volume && !self.overdraft {
-            let cell = offset.to_vec();
-            return Err(StepError::Overdrawn { cell, volume: tracked, outflow: total });
-        }
-        if total == 0.0 {
+        let tracked = volume + volume_change;
+        let outward = &outward[axis];
+        let outflow: f64 = outward.iter().map(|flux| flux.max(0.0)).sum();
+        if outflow == 0.0 {
             return Ok(());
         }
+        if outflow > tracked + OUTFLOW_EXCESS * volume && !self.overdraft {
+            return Err(StepError::Overdrawn { cell: offset.to_vec(), volume: tracked, outflow });
+        }
+        giving.crossed = outward.iter().filter(|&&flux| flux > 0.0).count();
         let mut cell = None;
         for (material, f) in fractions.iter().enumerate() {
             let fraction = f[index];
-            let mut amount = |face: usize, part: f64| materials[face * fractions.len() + material] = part;
             let mut placed = Placed::NoNormal;
             if is_mixed(fraction) {
                 let cell = cell.get_or_insert_with(|| self.mesh.local_cell(index));
                 placed = interface::place(self.mesh, f, index, cell, self.reconstruction)?;
-                outflow.counts.count(&placed);
+                giving.counts.count(&placed);
             }
-            for face in sweep.faces() {
-                let flux = outflow.volume[face];
-                if flux == 0.0 {
-                    continue;
-                }
-                let (Placed::Plane { half_space, .. }, Some(cell)) = (&placed, &cell) else {
-                    amount(face, fraction * flux);
-                    continue;
+            for face in motion.faces(axis).filter(|&face| outward[face] > 0.0) {
+                let flux = outward[face];
+                given[face * fractions.len() + material] = match (&placed, &cell) {
+                    (Placed::Plane { half_space, .. }, Some(cell)) => {
+                        giving.cut += 1;
+                        let wanted = (flux * (volume / tracked)).min(volume);
+                        let region = motion.region(axis, cell, offset, face, wanted);
+                        let inside = region.truncate(half_space).volume.clamp(0.0, wanted);
+                        (inside * (tracked / volume)).min(flux)
+                    }
+                    _ => fraction * flux,
                 };
-                let wanted = (flux * (volume / tracked)).min(volume);
-                let region = sweep.region(cell, offset, face, wanted);
-                let inside = region.truncate(half_space).volume.clamp(0.0, wanted);
-                outflow.cut += 1;
-                amount(face, (inside * (tracked / volume)).min(flux));
             }
         }
         Ok(())
     }
 
-    /// The volume that leaves a cell through a face in a sweep; walls pass nothing.
-    fn outward(&self, sweep: &Sweep<'_, C, D>, index: usize, offset: [usize; D], face: usize) -> f64 {
-        let (axis, side) = (face / 2, face % 2);
-        let at_end = self.mesh.grid().neighbour(index, axis, side).is_none();
-        if at_end && self.boundary.ends[axis][side] == End::Wall {
-            return 0.0;
-        }
-        sweep.outward(offset, face)
-    }
-
-    /// Collects what one cell lost and gained in a sweep, and corrects its fractions.
-    fn take(
+    /// What one cell loses and gains in a sweep.
+    #[expect(clippy::too_many_arguments, reason = "what a sweep reads and what it makes, kept apart")]
+    fn exchange(
         &self,
-        sweep: &Sweep<'_, C, D>,
-        fractions: &[Vec<f64>],
+        motion: &Motion<'_, C, D>,
+        axis: usize,
+        members: &[Member<D>],
         slot: usize,
+        given: &[f64],
         volume_change: &mut f64,
         contents: &mut [Content],
     ) {
-        let index = self.band.cells()[slot] as usize;
-        let offset = self.mesh.grid().offset(index);
-        let count = contents.len();
+        let materials = contents.len();
+        let given = |slot: usize, face: usize, k: usize| given[(slot * C::FACES + face) * materials + k];
         for content in contents.iter_mut() {
             content.ledger = MaterialLedger::default();
             content.correction = 0.0;
         }
-        for face in sweep.faces() {
-            let neighbour = self.mesh.grid().neighbour(index, face / 2, face % 2);
-            let out = self.outflows[slot].volume[face];
-            if out > 0.0 {
-                *volume_change -= out;
-                for (k, content) in contents.iter_mut().enumerate() {
-                    let part = self.material_outflow[(slot * C::FACES + face) * count + k];
+        for face in motion.faces(axis) {
+            let flux = members[slot].outward[axis][face];
+            *volume_change -= flux;
+            let across = members[slot].across[face];
+            for (k, content) in contents.iter_mut().enumerate() {
+                if flux > 0.0 {
+                    let part = given(slot, face, k);
                     content.change -= part;
-                    if neighbour.is_none() {
-                        content.ledger.outflow += part - self.inflow(k) * out;
+                    if across == Across::End {
+                        content.ledger.outflow += part - self.inflow(k) * flux;
                     }
-                }
-                continue;
-            }
-            match neighbour.map(|n| (n, self.band.slot(n))) {
-                Some((_, Some(donor))) => {
-                    let flux = self.outflows[donor].volume[face ^ 1];
-                    *volume_change += flux;
-                    for (k, content) in contents.iter_mut().enumerate() {
-                        content.change += self.material_outflow[(donor * C::FACES + (face ^ 1)) * count + k];
-                    }
-                }
-                Some((donor, None)) => {
-                    let flux = -self.outward(sweep, index, offset, face);
-                    *volume_change += flux;
-                    for (content, f) in contents.iter_mut().zip(fractions) {
-                        content.change += f[donor] * flux;
-                    }
-                }
-                None => {
-                    let flux = -self.outward(sweep, index, offset, face);
-                    *volume_change += flux;
-                    for (k, content) in contents.iter_mut().enumerate() {
-                        content.change += self.inflow(k) * flux;
-                    }
+                } else {
+                    content.change += match across {
+                        Across::Member(donor) => given(donor as usize, face ^ 1, k),
+                        Across::Outside => content.initial * -flux,
+                        Across::End => self.inflow(k) * -flux,
+                    };
                 }
             }
         }
-        correct(self.mesh.volumes()[index] + *volume_change, contents);
     }
 
     /// The fraction of a material in what flows in through open ends.
     fn inflow(&self, material: usize) -> f64 {
         if self.boundary.inflow == Some(material) { 1.0 } else { 0.0 }
     }
+}
 
-    /// Writes the new fractions and adds up the accounts, in the order of the band.
-    fn settle(&self, fractions: &mut [Vec<f64>], ledger: &mut Ledger) {
-        ledger.sweeps += 1;
-        ledger.cells_visited += self.band.cells().len();
-        let count = fractions.len();
-        for (&cell, contents) in self.band.cells().iter().zip(self.contents.chunks(count)) {
-            for (k, content) in contents.iter().enumerate() {
-                fractions[k][cell as usize] = content.fraction;
-                ledger.materials[k].add(&content.ledger);
-                if content.correction > ledger.largest_correction.fraction {
-                    ledger.largest_correction =
-                        LargestCorrection { fraction: content.correction, cell: cell as usize };
-                }
+impl<const D: usize> State<D> {
+    fn begin<C: Cell<D>>(&mut self, motion: &Motion<'_, C, D>, band: &Band, fractions: &[Vec<f64>]) {
+        let cells = band.cells();
+        let grid = motion.mesh.grid();
+        self.members = parallel::map(cells.len(), |slot| {
+            let cell = cells[slot] as usize;
+            let offset = grid.offset(cell);
+            let mut across = [Across::End; 6];
+            for (face, across) in across[..C::FACES].iter_mut().enumerate() {
+                *across = band.across(grid, cell, face);
+            }
+            Member { cell, offset, across, outward: motion.outward(offset) }
+        });
+        self.volume_change.clear();
+        self.volume_change.resize(cells.len(), 0.0);
+        self.givings.resize_with(cells.len(), Giving::default);
+        self.given.resize(cells.len() * C::FACES * fractions.len(), 0.0);
+        self.contents.clear();
+        self.contents.extend(cells.iter().flat_map(|&cell| {
+            fractions.iter().map(move |f| {
+                let initial = f[cell as usize];
+                Content { initial, fraction: initial, ..Content::default() }
+            })
+        }));
+    }
+}
+
+/// Writes the new fractions and adds up the accounts, in the order of the band.
+fn settle<const D: usize>(
+    members: &[Member<D>],
+    contents: &[Content],
+    fractions: &mut [Vec<f64>],
+    ledger: &mut Ledger,
+) {
+    for (&Member { cell, .. }, contents) in members.iter().zip(contents.chunks(fractions.len())) {
+        for (k, content) in contents.iter().enumerate() {
+            fractions[k][cell] = content.fraction;
+            ledger.materials[k].add(&content.ledger);
+            if content.correction > ledger.largest_correction.fraction {
+                ledger.largest_correction = LargestCorrection { fraction: content.correction, cell };
             }
         }
     }
 }
 
-/// The corrections of Sect. 5.2.3: fractions into `[0, 1]`, and their sum to at most 1.
-fn correct(volume: f64, contents: &mut [Content]) {
+/// The new fractions in a cell that had the volume `start` and has `volume`, with the corrections of Sect. 5.2.3: into
+/// `[0, 1]`, and their sum to at most 1.
+fn correct(start: f64, volume: f64, contents: &mut [Content]) {
     let mut sum = 0.0;
     for content in contents.iter_mut() {
-        let raw = (content.start + content.change) / volume;
+        let raw = (content.initial * start + content.change) / volume;
         content.ledger.smallest = raw;
         content.ledger.largest = raw;
         content.fraction = if raw <= FRACTION_ROUNDING {
@@ -422,7 +424,7 @@ fn correct(volume: f64, contents: &mut [Content]) {
             content.fraction = scaled;
         }
         if content.correction > 0.0 {
-            content.change = content.fraction * volume - content.start;
+            content.change = content.fraction * volume - content.initial * start;
         }
     }
 }

@@ -5,12 +5,13 @@
 pub struct Grid<const D: usize> {
     cells: [usize; D],
     periodic: [bool; D],
+    strides: [usize; D],
 }
 
 impl<const D: usize> Grid<D> {
     /// A grid with this many cells along each axis; `periodic` axes join their two ends.
     pub fn new(cells: [usize; D], periodic: [bool; D]) -> Self {
-        Self { cells, periodic }
+        Self { cells, periodic, strides: std::array::from_fn(|axis| cells[..axis].iter().product()) }
     }
 
     /// Cells along each axis.
@@ -45,7 +46,7 @@ impl<const D: usize> Grid<D> {
 
     /// Distance in the index between neighbours along an axis.
     pub fn stride(&self, axis: usize) -> usize {
-        self.cells[..axis].iter().product()
+        self.strides[axis]
     }
 
     /// Number of nodes.
@@ -87,6 +88,22 @@ impl<const D: usize> Grid<D> {
             let n = self.cells[axis] as isize;
             let at = offset[axis] as isize + step[axis];
             (if self.periodic[axis] { at.rem_euclid(n) } else { at.clamp(0, n - 1) }) as usize
+        })
+    }
+
+    /// All cells at most `radius` steps away along every axis, the cell itself among them. Cells that would lie beyond an
+    /// end are given as the last cell inside, so that some come more than once.
+    pub fn around(&self, index: usize, radius: usize) -> impl Iterator<Item = usize> + '_ {
+        let at = self.offset(index);
+        let width = 2 * radius + 1;
+        (0..width.pow(D as u32)).map(move |place| {
+            let mut rest = place;
+            let step: [isize; D] = std::array::from_fn(|_| {
+                let step = (rest % width) as isize - radius as isize;
+                rest /= width;
+                step
+            });
+            self.index(self.stepped(at, step))
         })
     }
 }

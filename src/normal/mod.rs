@@ -35,16 +35,18 @@ impl<const D: usize> Stencil<D> {
         let cells = grid.cells();
         let mut values = [0.0; 27];
         let inner = (0..D).all(|k| offset[k] > 0 && offset[k] + 1 < cells[k]);
-        let centre = grid.index(offset);
-        for (place, value) in values[..stencil_cells(D)].iter_mut().enumerate() {
-            let step = step_of::<D>(place);
-            let index = if inner {
-                // Inside, a step is a fixed distance in the index.
-                (0..D).fold(centre as isize, |at, k| at + step[k] * grid.stride(k) as isize) as usize
-            } else {
-                grid.index(grid.stepped(offset, step))
-            };
-            *value = fractions[index];
+        let slots = &mut values[..stencil_cells(D)];
+        if inner {
+            // Inside, the cells of the stencil lie in rows of three.
+            let lowest = grid.index(offset.map(|at| at - 1));
+            for (row, slots) in slots.chunks_exact_mut(3).enumerate() {
+                let start: usize = (1..D).map(|k| row / 3_usize.pow(k as u32 - 1) % 3 * grid.stride(k)).sum();
+                slots.copy_from_slice(&fractions[lowest + start..lowest + start + 3]);
+            }
+        } else {
+            for (place, slot) in slots.iter_mut().enumerate() {
+                *slot = fractions[grid.index(grid.stepped(offset, step_of::<D>(place)))];
+            }
         }
         Self { values }
     }

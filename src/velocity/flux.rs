@@ -20,8 +20,17 @@ const EDGE_POINTS: usize = 5;
 pub struct FaceFluxes<const D: usize> {
     grid: Grid<D>,
     /// For each direction of edges (2D: z alone, at the nodes), the integral along the edge that starts at each node place.
-    edges: Vec<Vec<f64>>,
+    edges: Vec<EdgeIntegrals<D>>,
     largest: f64,
+}
+
+/// The integrals along all edges of one direction.
+#[derive(Clone, Debug)]
+struct EdgeIntegrals<const D: usize> {
+    axis: usize,
+    /// Distance in `values` from one edge to the next along each axis.
+    strides: [usize; D],
+    values: Vec<f64>,
 }
 
 /// The volumes that cross the faces in one step.
@@ -38,11 +47,6 @@ fn edge_axes<const D: usize>() -> std::ops::Range<usize> {
     if D == 2 { 2..3 } else { 0..3 }
 }
 
-/// Place of the edge along `axis` that starts at a node: there is one edge fewer than nodes along its own direction.
-fn edge_index<const D: usize>(cells: &[usize; D], axis: usize, at: [usize; D]) -> usize {
-    (0..D).rev().fold(0, |index, k| index * (cells[k] + usize::from(k != axis)) + at[k])
-}
-
 impl<const D: usize> FaceFluxes<D> {
     /// Integrates the field's potential along every edge of the mesh, with five Gauss points.
     pub fn new<C: Cell<D>>(mesh: &Mesh<C, D>, field: &Field) -> Self {
@@ -53,16 +57,13 @@ impl<const D: usize> FaceFluxes<D> {
         );
         let points: Vec<(f64, f64)> = rule.iter().map(|(x, w)| (0.5 * (1.0 + x), 0.5 * w)).collect();
         let embedded = |x: &Vector<D>| Vector::<3>::from_fn(|k, _| if k < D { x[k] } else { 0.0 });
-        let edges: Vec<Vec<f64>> = edge_axes::<D>()
+        let edges: Vec<EdgeIntegrals<D>> = edge_axes::<D>()
             .map(|axis| {
+                // There is one edge fewer than nodes along its own direction.
                 let extent: [usize; D] = std::array::from_fn(|k| cells[k] + usize::from(k != axis));
-                parallel::map(extent.iter().product(), |index| {
-                    let mut rest = index;
-                    let at = extent.map(|n| {
-                        let i = rest % n;
-                        rest /= n;
-                        i
-                    });
+                let strides = std::array::from_fn(|k| extent[..k].iter().product());
+                let values = parallel::map(extent.iter().product(), |index| {
+                    let at = std::array::from_fn(|k| index / strides[k] % extent[k]);
                     let start = embedded(&mesh.nodes()[grid.node_index(at)]);
                     if axis >= D {
                         return field.potential(&start)[axis];
@@ -71,10 +72,11 @@ impl<const D: usize> FaceFluxes<D> {
                     next[axis] += 1;
                     let edge = embedded(&mesh.nodes()[grid.node_index(next)]) - start;
                     points.iter().map(|&(t, w)| w * field.potential(&(start + edge * t)).dot(&edge)).sum()
-                })
+                });
+                EdgeIntegrals { axis, strides, values }
             })
             .collect();
-        let largest = edges.iter().flatten().fold(0.0_f64, |a, b| a.max(b.abs()));
+        let largest = edges.iter().flat_map(|e| &e.values).fold(0.0_f64, |a, b| a.max(b.abs()));
         Self { grid, edges, largest }
     }
 
@@ -97,26 +99,23 @@ impl<const D: usize> StepFluxes<'_, D> {
             // The two ends are one face.
             offset[axis] = 0;
         }
-        let rounded = |slot: usize, edge: usize, at: [usize; D]| {
-            let value = self.source.edges[slot][edge_index(&cells, edge, at)] * self.duration;
-            (value + self.rounder) - self.rounder
-        };
         let mut flux = 0.0;
-        for (slot, edge) in edge_axes::<D>().enumerate() {
-            if edge == axis {
-                continue;
-            }
-            let across = 3 - axis - edge;
+        for edges in self.source.edges.iter().filter(|edges| edges.axis != axis) {
+            let across = 3 - axis - edges.axis;
             if across >= D {
                 continue;
             }
-            let mut far = offset;
-            far[across] += 1;
-            let difference = rounded(slot, edge, far) - rounded(slot, edge, offset);
+            let near: usize = (0..D).map(|k| offset[k] * edges.strides[k]).sum();
+            let far = near + edges.strides[across];
+            let difference = self.scaled(edges.values[far]) - self.scaled(edges.values[near]);
             // Right-handed (axis, across, edge) gives plus.
             flux += if (across + 3 - axis) % 3 == 1 { difference } else { -difference };
         }
         flux
+    }
+
+    fn scaled(&self, edge: f64) -> f64 {
+        self.round(edge * self.duration)
     }
 
     /// For how long the steady field acts in the step; negative backwards.

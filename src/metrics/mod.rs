@@ -1,0 +1,22 @@
+//! Numbers that say how good a result is.
+
+mod fragments;
+mod gap;
+
+pub use fragments::{Fragments, fragments};
+pub use gap::facet_gap_mean;
+
+use vofkit_geometry::Cell;
+
+use crate::mesh::Mesh;
+use crate::parallel;
+
+/// The volume of a material, `sum f V`.
+pub fn material_volume<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, fractions: &[f64]) -> f64 {
+    parallel::sum(fractions.len(), |i| fractions[i] * mesh.volumes()[i])
+}
+
+/// The error of a shape, `E = sum |f - f_exact| V`, in the unit of volume.
+pub fn shape_error<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, fractions: &[f64], exact: &[f64]) -> f64 {
+    parallel::sum(fractions.len(), |i| (fractions[i] - exact[i]).abs() * mesh.volumes()[i])
+}
