@@ -6,9 +6,20 @@ pub use vofkit_geometry as geometry;
 pub mod advection;
 pub mod export;
 pub mod facet;
+pub mod fractions;
 pub mod interface;
 pub mod mesh;
+pub mod metrics;
 pub mod normal;
 pub mod parallel;
+
+
+pub mod shape;
 pub mod tolerance;
 pub mod velocity;
+#[cfg(feature = "cli")]
+pub mod report;
+#[cfg(feature = "cli")]
+pub mod run;
+#[cfg(feature = "cli")]
+pub mod scene;

@@ -67,7 +67,7 @@ impl Band {
         let seeds = parallel::map(grid.len() / row, |r| {
             let mut unsettled = Vec::new();
             for (material, f) in fractions.iter().enumerate() {
-                let inflow = if boundary.inflow == Some(material) { 1.0 } else { 0.0 };
+                let inflow = boundary.inflow_fraction(material);
                 unsettled_in_row(grid, f, boundary, inflow, r * row, &mut unsettled);
             }
             unsettled

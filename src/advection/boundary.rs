@@ -40,6 +40,11 @@ pub struct WallCrossed {
 }
 
 impl<const D: usize> Boundary<D> {
+    /// The fraction of a material in what flows in through open ends.
+    pub fn inflow_fraction(&self, material: usize) -> f64 {
+        if self.inflow == Some(material) { 1.0 } else { 0.0 }
+    }
+
     /// Fills in the ends that are not given: a wall where no face is crossed, else open.
     ///
     /// # Errors

@@ -11,8 +11,9 @@ const BUFFER: usize = 1 << 16;
 
 /// Writes a file through `content`, all of it or nothing.
 ///
-/// The content goes to `NAME.partial` in the same folder, which takes the place of `NAME` only when every byte is on the
-/// disk. After a failure the partial file is removed, and a file that was there before stays as it was.
+/// The content goes to `NAME.partial` in the same folder, which takes the place of `NAME` only when every
+/// byte is on the disk. After a failure the partial file is removed, and a file that was there before stays
+/// as it was.
 ///
 /// # Errors
 /// Whatever the file system or `content` reports, and names of folders and devices.

@@ -1,7 +1,7 @@
 //! Interfaces as triangulated Wavefront OBJ, through the crate `obj-exporter`.
 //!
-//! That crate prints six decimals. Small geometry is therefore multiplied by a power of ten, which the names of
-//! the objects state.
+//! That crate prints six decimals. Small geometry is therefore multiplied by a power of ten, which the names
+//! of the objects state.
 
 use std::io::Write;
 use std::path::Path;
@@ -23,13 +23,14 @@ const LOSS: f64 = 1e-4;
 /// Largest power of ten to scale by; a larger one could exceed the largest number.
 const LARGEST_POWER: i32 = 300;
 
-/// Writes the interfaces as OBJ, one object per material in the order of `names`; returns the factor on all coordinates.
+/// Writes the interfaces as OBJ, one object per material in the order of `names`; returns the factor on all
+/// coordinates.
 ///
 /// Facets become triangles (2D: lines) without shared vertices and without normals; triangles are
-/// counter-clockwise seen from outside the material. The factor is 1 unless six decimals would lose more than 1e-4 of
-/// `cell_size`, the length of the smallest cell; otherwise it is the smallest sufficient power of ten and the objects
-/// are named like `disc_scale_1e3`. Blanks and `#` in names become `_`. A material without interface is an object without
-/// faces.
+/// counter-clockwise seen from outside the material. The factor is 1 unless six decimals would lose more than
+/// 1e-4 of `cell_size`, the length of the smallest cell; otherwise it is the smallest sufficient power of ten
+/// and the objects are named like `disc_scale_1e3`. Blanks and `#` in names become `_`. A material without
+/// interface is an object without faces.
 ///
 /// # Errors
 /// A facet whose material has no name, and whatever the file system reports.

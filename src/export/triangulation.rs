@@ -4,9 +4,9 @@ use vofkit_geometry::Vector;
 
 /// The triangles of a simple polygon that runs counter-clockwise about `normal`, as indices into `points`.
 ///
-/// A convex polygon becomes a fan about its first point. No points are added, so that neighbouring facets still
-/// meet in the same edges. There are always `points.len() - 2` triangles; where the polygon intersects itself or has no
-/// extent, some of them overlap or have no area.
+/// A convex polygon becomes a fan about its first point. No points are added, so that neighbouring facets
+/// still meet in the same edges. There are always `points.len() - 2` triangles; where the polygon intersects
+/// itself or has no extent, some of them overlap or have no area.
 pub(super) fn triangles(points: &[Vector<3>], normal: &Vector<3>) -> Vec<[usize; 3]> {
     let mut left: Vec<usize> = (0..points.len()).collect();
     let mut triangles = Vec::with_capacity(points.len().saturating_sub(2));

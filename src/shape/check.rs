@@ -92,10 +92,16 @@ impl<const D: usize> Shape<D> {
                 named.rotation(rotation.is_finite())?;
                 named.positive("radius", *radius)?;
                 let diameter = 2.0 * radius;
-                [("slot width", *slot_width), ("bridge", *bridge)].into_iter().try_for_each(|(what, value)| {
-                    named.positive(what, value)?;
-                    if value < diameter { Ok(()) } else { Err(ShapeError::NoSlot { what, value, diameter }) }
-                })
+                [("slot width", *slot_width), ("bridge", *bridge)].into_iter().try_for_each(
+                    |(what, value)| {
+                        named.positive(what, value)?;
+                        if value < diameter {
+                            Ok(())
+                        } else {
+                            Err(ShapeError::NoSlot { what, value, diameter })
+                        }
+                    },
+                )
             }
             Self::Union(shapes) => Named("union").all(shapes),
             Self::Intersection(shapes) => Named("intersection").all(shapes),

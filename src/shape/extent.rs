@@ -29,9 +29,8 @@ impl<const D: usize> Shape<D> {
             }
             Self::SlottedDisc { radius: r, slot_width: w, bridge, .. } if D == 2 => {
                 let (top, shoulder) = (r - bridge, (r * r - 0.25 * w * w).sqrt());
-                (top.abs() <= shoulder).then(|| {
-                    PI * r * r - top * w - 0.5 * w * shoulder - r * r * (0.5 * w / r).asin()
-                })
+                (top.abs() <= shoulder)
+                    .then(|| PI * r * r - top * w - 0.5 * w * shoulder - r * r * (0.5 * w / r).asin())
             }
             _ => None,
         }

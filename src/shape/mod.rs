@@ -84,11 +84,9 @@ impl<const D: usize> Shape<D> {
         let all = |shapes: &[Self]| shapes.iter().map(|shape| shape.moved(rotation, about, shift)).collect();
         match self {
             Self::Sphere { centre, radius } => Self::Sphere { centre: place(centre), radius: *radius },
-            Self::Ellipsoid { centre, semi_axes, rotation: own } => Self::Ellipsoid {
-                centre: place(centre),
-                semi_axes: *semi_axes,
-                rotation: own.then(rotation),
-            },
+            Self::Ellipsoid { centre, semi_axes, rotation: own } => {
+                Self::Ellipsoid { centre: place(centre), semi_axes: *semi_axes, rotation: own.then(rotation) }
+            }
             Self::Box { centre, lengths, rotation: own } => {
                 Self::Box { centre: place(centre), lengths: *lengths, rotation: own.then(rotation) }
             }

@@ -37,6 +37,9 @@ const CLOSEST_LINES: f64 = 2.5;
 /// Opacity of a full cell: mesh and interface stay visible on it.
 const FULL: f64 = 0.6;
 
+/// Pixels of the rim that tinted areas get.
+const SEAM: f64 = 0.6;
+
 /// Fractions are drawn in this many steps.
 const LEVELS: f64 = 100.0;
 
@@ -53,9 +56,9 @@ const PALETTE: [[u8; 3]; 7] = [
 
 /// Writes a picture of a two-dimensional mesh, about 800 pixels wide or high.
 ///
-/// Cells are tinted by each material with its volume fraction as opacity; facets are drawn as lines in a darker
-/// shade. `fractions` holds one value per cell for each of the `names`. Mesh lines are left out where they would
-/// lie closer than 2.5 pixels.
+/// Cells are tinted by each material with its volume fraction as opacity; facets are drawn as lines in a
+/// darker shade, unless they have points that are not finite. `fractions` holds one value per cell for each
+/// of the `names`. Mesh lines are left out where they would lie closer than 2.5 pixels.
 ///
 /// # Errors
 /// Fractions that do not fit names or mesh, a facet whose material has no name, and whatever the file system
@@ -135,6 +138,10 @@ impl View {
         }
     }
 
+    fn shows_lines(&self) -> bool {
+        self.cell >= CLOSEST_LINES
+    }
+
     /// The place of a point. Points far outside are moved to the rim of a large square.
     fn pixel(&self, point: &Vector<2>) -> Pixel {
         let x = self.left + (point.x - self.lower.x) * self.scale;
@@ -167,26 +174,33 @@ fn tint<C: Cell<2>>(mesh: &Mesh<C, 2>, view: &View, fractions: &[f64], material:
             first = last;
         }
     }
-    paths.into_iter().fold(Group::new().set("fill", colour(material, 1.0)), |group, (level, path)| {
+    // A thin rim closes the light seams between rows; opacity that belongs to a group does not add up in it.
+    let group = Group::new()
+        .set("fill", colour(material, 1.0))
+        .set("stroke", colour(material, 1.0))
+        .set("stroke-width", SEAM * UNITS);
+    paths.into_iter().fold(group, |group, (level, path)| {
         let opacity = (f64::from(level) / LEVELS * FULL * 1e3).round() / 1e3;
-        group.add(Line::new().set("d", path.into_text()).set("fill-opacity", opacity))
+        group.add(Group::new().set("opacity", opacity).add(Line::new().set("d", path.into_text())))
     })
 }
 
 fn mesh_lines<C: Cell<2>>(mesh: &Mesh<C, 2>, view: &View) -> Line {
     let [n, m] = mesh.grid().cells();
     let place = |at: [usize; 2]| view.pixel(&mesh.nodes()[mesh.grid().node_index(at)]);
-    let drawn = |at: usize, last: usize| at == 0 || at == last || view.cell >= CLOSEST_LINES;
+    let drawn = |at: usize, last: usize| at == 0 || at == last || view.shows_lines();
     let mut path = PathText::default();
     (0..=m).filter(|&j| drawn(j, m)).for_each(|j| path.add((0..=n).map(|i| place([i, j])), false));
     (0..=n).filter(|&i| drawn(i, n)).for_each(|i| path.add((0..=m).map(|j| place([i, j])), false));
-    let width = (0.06 * view.cell).clamp(0.25, 0.8) * UNITS;
+    let width = UNITS * if view.shows_lines() { (0.06 * view.cell).clamp(0.25, 0.8) } else { 0.8 };
     stroke(path, "#a8a8a8".to_owned(), width)
 }
 
 fn interface(view: &View, facets: &[Facet<2>], material: usize) -> Line {
+    let finite = |points: &&Vec<Vector<2>>| points.iter().flatten().all(|x| x.is_finite());
+    let loops = facets.iter().filter(|facet| facet.material == material).flat_map(|facet| &facet.loops);
     let mut path = PathText::default();
-    for points in facets.iter().filter(|facet| facet.material == material).flat_map(|facet| &facet.loops) {
+    for points in loops.filter(finite) {
         path.add(points.iter().map(|point| view.pixel(point)), false);
     }
     stroke(path, colour(material, 0.55), (0.2 * view.cell).clamp(0.8, 2.4) * UNITS)

@@ -12,7 +12,8 @@ pub(super) struct PathText {
 }
 
 impl PathText {
-    /// Adds a line through the points, closed to a polygon if `closed`. Points that change nothing are left out.
+    /// Adds a line through the points, closed to a polygon if `closed`. Points that change nothing are left
+    /// out.
     pub(super) fn add(&mut self, points: impl IntoIterator<Item = Pixel>, closed: bool) {
         let mut kept: Vec<Pixel> = Vec::new();
         for point in points {
@@ -54,7 +55,8 @@ fn separator(needed: bool) -> &'static str {
     if needed { " " } else { "" }
 }
 
-/// Whether `b` lies on the straight way from `a` to `c`. Coordinates are limited to 1e8, so that nothing overflows.
+/// Whether `b` lies on the straight way from `a` to `c`. Coordinates are limited to 1e8, so that nothing
+/// overflows.
 fn goes_straight_on(a: Pixel, b: Pixel, c: Pixel) -> bool {
     let [u, v] = [[b[0] - a[0], b[1] - a[1]], [c[0] - b[0], c[1] - b[1]]];
     u[0] * v[1] == u[1] * v[0] && u[0] * v[0] + u[1] * v[1] > 0

@@ -72,7 +72,8 @@ impl<'a> Document<'a> {
             Values::Int(_) => "Int64",
         };
         self.line(&format!(
-            "<DataArray type=\"{kind}\" Name=\"{}\" NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{}\"/>",
+            "<DataArray type=\"{kind}\" Name=\"{}\" NumberOfComponents=\"{components}\" format=\"appended\" \
+             offset=\"{}\"/>",
             escaped(name),
             self.offset
         ));

@@ -34,7 +34,8 @@ impl Collection {
         &self.path
     }
 
-    /// Adds the files of one time, each with the name of its group (such as `mesh` or `interface`), and writes the series.
+    /// Adds the files of one time, each with the name of its group (such as `mesh` or `interface`), and
+    /// writes the series.
     ///
     /// # Errors
     /// A file that does not lie in the folder of the series or below it (then nothing is added), and whatever

@@ -5,8 +5,8 @@
 //! - [`collection`]: which files belong to which time (`.pvd`);
 //! - `appended`: the common form of the first two, XML followed by raw little-endian numbers.
 //!
-//! Numbers are 64 bits wide and not compressed; reading them back gives the same bits. Two-dimensional points and
-//! vectors get a third component 0.
+//! Numbers are 64 bits wide and not compressed; reading them back gives the same bits. Two-dimensional points
+//! and vectors get a third component 0.
 
 mod appended;
 pub mod collection;

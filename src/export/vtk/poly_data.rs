@@ -8,12 +8,14 @@ use super::appended::{Document, Values};
 use crate::export::{ExportError, spatial, write_file};
 use crate::facet::Facet;
 
-/// Writes interface facets as VTK poly data: polygons in 3D, lines in 2D, with `cell` and `material` (indices), `normal`
-/// (three components) and `area` as cell data.
+/// Writes interface facets as VTK poly data: polygons in 3D, lines in 2D, with `cell` and `material`
+/// (indices), `normal` (three components) and `area` as cell data.
 ///
-/// Each loop of a facet is a polygon. A facet with one loop has its exact [`Facet::area`]; several loops share it in
-/// proportion to the areas of their polygons, so that the areas in the file add up to the interface's. Points are not shared
-/// among facets.
+/// Each loop of a facet is a polygon. A facet with one loop has its exact [`Facet::area`]; several loops
+/// share it in proportion to the areas of their polygons, so that the areas in the file add up to the
+/// interface's. Points are not shared among facets.
+/// The curved edges of distorted cells make polygons that are slightly non-convex: `area` is exact for them,
+/// whereas the cell sizes that VTK computes are too large.
 ///
 /// # Errors
 /// Whatever the file system reports.

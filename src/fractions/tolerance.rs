@@ -1,0 +1,48 @@
+//! Every threshold of the quadrature, each dimensionless and with its reason.
+
+/// Error of the integral over one smooth piece, relative to the volume of the brick that is integrated. Bricks are no larger than
+/// the curved shapes in them, so that totals are right to 1e-9 with three digits to spare; smaller would meet rounding.
+pub(super) const QUADRATURE: f64 = 1e-12;
+
+/// The same for the integrals over one section inside the integral over sections: the outer rule must not take their errors for
+/// a feature of its integrand.
+pub(super) const SECTION: f64 = 1e-13;
+
+/// Share of the product of the longest edges that counts as volume of a brick when errors are compared with it, so that
+/// flat and collapsed bricks do not ask for an error of zero.
+pub(super) const FLAT: f64 = 1e-6;
+
+/// Rounding of a crossing of a curved surface, in units of `epsilon |y|^2 / slope`: the floor of the tolerances.
+/// Without it a ball a million times larger than the cell would be bisected in search of noise.
+pub(super) const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// Bisected pieces after which one integral takes what it has. A square root or a jump that no break point announces takes 30.
+pub(super) const PIECES: usize = 300;
+
+/// Bisections of a cell after which a brick is integrated whatever it holds: it is 2^-90 of the cell.
+pub(super) const BISECTIONS: usize = 90;
+
+/// Bisections spent on a pair of surfaces that may be tangent or meet across the direction of integration, and on points where
+/// three meet. The adaptive rule finds most of their kinks, but not those between its outermost nodes and the
+/// ends; bricks are 2^-24 of the cell by then.
+pub(super) const PAIR_BISECTIONS: usize = 24;
+
+/// Bricks of one cell after which no more are bisected: a bound on the time that a cell can take.
+pub(super) const BRICKS: usize = 50_000;
+
+/// Largest distance from the middle of a brick to its corners in the frame in which a curved surface is the unit
+/// sphere. Larger bricks lose digits of the crossings, and a surface that takes a small part of them hides between nodes.
+pub(super) const REACH: f64 = 1.0;
+
+/// A slope along one direction, relative to the steepest, that is counted as none.
+pub(super) const LEVEL: f64 = 1e-13;
+
+/// A polynomial's value, relative to its largest coefficient, that is counted as a (double) root: one break point too
+/// many costs little, one missing makes the rule bisect.
+pub(super) const DOUBLE_ROOT: f64 = 1e-9;
+
+/// Break points nearer than this are one.
+pub(super) const BREAKS_APART: f64 = 1e-14;
+
+/// A fraction this near to one is one: the rounding of the sum over the bricks of a cell.
+pub(super) const FULL: f64 = 16.0 * f64::EPSILON;
