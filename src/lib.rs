@@ -13,13 +13,12 @@ pub mod metrics;
 pub mod normal;
 pub mod parallel;
 
-
-pub mod shape;
-pub mod tolerance;
-pub mod velocity;
 #[cfg(feature = "cli")]
 pub mod report;
 #[cfg(feature = "cli")]
 pub mod run;
 #[cfg(feature = "cli")]
 pub mod scene;
+pub mod shape;
+pub mod tolerance;
+pub mod velocity;

@@ -105,13 +105,15 @@ fn fluxes_match<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, fields: &[Field])
     for field in fields {
         let fluxes = FaceFluxes::new(mesh, field);
         let step = fluxes.step(1.0);
+        // The axial velocity of the shear has a kink on its axis, which no quadrature resolves.
+        let tolerance = if matches!(field, Field::Shear3d { .. }) { 1e-4 } else { 1e-8 };
         for index in (0..mesh.grid().len()).step_by(7) {
             for face in 0..C::FACES {
                 let flux = step.through(mesh.grid().offset(index), face / 2, face % 2);
                 let expected = quadrature_flux(mesh, field, index, face);
                 let area = mesh.cell(index).face_area(face).norm();
                 assert!(
-                    (flux - expected).abs() <= 1e-8 * area,
+                    (flux - expected).abs() <= tolerance * area,
                     "{field:?} {index} {face}: {flux} {expected}"
                 );
             }

@@ -106,7 +106,7 @@ pub trait Cell<const D: usize>: Copy + Send + Sync + std::fmt::Debug + 'static {
 
     /// The section as closed loops of points (2D: segments of two points), counter-clockwise seen from
     /// outside the material. Curved edges are sampled so that the chord error stays below
-    /// [`crate::tolerance::SECTION_CHORD`] of the cell; the points of an edge depend on face and plane alone, so that
+    /// [`crate::tolerance::SECTION_CHORD`] of the face; the points of an edge depend on face and plane alone, so that
     /// one plane through several cells gives a watertight surface.
     fn section(&self, half_space: &HalfSpace<D>) -> Vec<Vec<Vector<D>>>;
 

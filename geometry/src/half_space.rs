@@ -1,6 +1,7 @@
 //! The half-space `{x : n.x <= d}` that holds the material.
 
 use crate::Vector;
+use crate::tolerance::DIRECTION_NEGLIGIBLE;
 
 /// The half-space `{x : n.x <= d}`; the normal points out of it (Eq. 80 and 91 of the paper).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,4 +58,12 @@ fn compensated_sum(a: f64, b: f64) -> [f64; 2] {
     let sum = a + b;
     let part = sum - a;
     [sum, (a - (sum - part)) + (b - part)]
+}
+
+/// The largest component of `m`, and `m` relative to it: products of plain components, or of heights, could over- or
+/// underflow.
+pub(crate) fn largest_and_direction<const D: usize>(m: &Vector<D>) -> (f64, Vector<D>) {
+    let largest = m.amax();
+    let size = if largest > 0.0 { largest } else { 1.0 };
+    (size, (m / size).map(|c| if c.abs() < DIRECTION_NEGLIGIBLE { 0.0 } else { c }))
 }

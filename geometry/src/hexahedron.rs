@@ -13,13 +13,13 @@
 //! ```
 //!
 //! with the moments `K_nm` of `alpha^n beta^m` over the part of the face's unit square where the bilinear height is not
-//! positive. That part is a corner under a hyperbola, a strip under one, or the complement of corners ([`face_part`]).
+//! positive. That part is a corner under a hyperbola, a strip under one, or the complement of corners.
 
 use nalgebra::Matrix3;
 
 use crate::cell::{Cell, Truncation};
-use crate::half_space::{compensated_dot, compensated_height};
-use crate::hyperbola;
+use crate::face_part::face_part;
+use crate::half_space::{compensated_dot, compensated_height, largest_and_direction};
 use crate::parallelepiped::UnitCube;
 use crate::plane_constant::{self, Monotone, PlaneConstant, PositionError, PositionMethod};
 use crate::root::Value;
@@ -79,7 +79,7 @@ impl Hexahedron {
         let twist = raw.map(|a| inverse * a);
         let size = twist.iter().map(|b| b.amax()).fold(0.0, f64::max);
         let centre = 0.125 * nodes.iter().map(|x| x - nodes[0]).sum::<Vector3>();
-        if !(size <= TWIST_AFFINE) || !twist.iter().all(|b| b.iter().all(|c| c.is_finite())) {
+        if size > TWIST_AFFINE || !twist.iter().all(|b| b.iter().all(|c| c.is_finite())) {
             return Self::scaled(nodes, centre);
         }
         let affine = size <= TWIST_NEGLIGIBLE;
@@ -129,13 +129,13 @@ impl Hexahedron {
 
     /// The cell as its function volume(delta) along one normal, in the affine frame.
     fn along(&self, normal: &Vector3) -> Along<'_> {
-        let m = self.jacobian.tr_mul(normal);
+        let (size, m) = largest_and_direction(&self.jacobian.tr_mul(normal));
         let mut heights = self.local.map(|y| m.dot(&y));
         let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
         heights.iter_mut().for_each(|h| *h -= low);
         let base = compensated_dot(normal, &self.nodes[0]);
         let offset = normal.dot(&self.origin);
-        Along { cell: self, m, cube: UnitCube::new(m.as_slice()), base, offset, low, heights }
+        Along { cell: self, size, m, cube: UnitCube::new(m.as_slice()), base, offset, low, heights }
     }
 }
 
@@ -145,9 +145,13 @@ fn cross_component(axis: usize, a: &Vector3, b: &Vector3) -> f64 {
     a[i] * b[j] - a[j] * b[i]
 }
 
-/// A hexahedron along one normal, in its affine frame: heights of the nodes over the lowest of them.
+/// A hexahedron along one normal, in its affine frame: heights of the nodes over the lowest of them, in
+/// units of `size`.
 struct Along<'a> {
     cell: &'a Hexahedron,
+    /// Largest component of `J^T n`, the unit of all heights and depths here.
+    size: f64,
+    /// `m = J^T n / size`.
     m: Vector3,
     /// The cell without its twists, along the same normal.
     cube: UnitCube,
@@ -200,9 +204,14 @@ impl Monotone for Along<'_> {
 }
 
 impl Along<'_> {
-    /// The height of the frame's origin over the plane.
-    fn height(&self, constant: f64) -> f64 {
-        compensated_height(self.base, self.offset, constant)
+    /// The depth of a plane over the lowest node.
+    fn depth(&self, constant: f64) -> f64 {
+        -compensated_height(self.base, self.offset, constant) / self.size - self.low
+    }
+
+    /// The plane constant of a depth, for the normal along which this is times `sign`.
+    fn constant(&self, depth: f64, sign: f64) -> f64 {
+        sign * (self.base[0] + (self.base[1] + (self.offset + (self.low + depth) * self.size)))
     }
 
     /// Volume and section where the heights `s` over a plane with normal `sign m` are not positive.
@@ -227,87 +236,6 @@ impl Along<'_> {
         }
         Value { value: triple / 3.0, derivative: -sign * self.m.dot(&k) / m2 }
     }
-}
-
-/// Moments `K_nm` of a part of a face.
-struct FaceMoments {
-    k00: f64,
-    k10: f64,
-    k01: f64,
-    k11: f64,
-}
-
-const WHOLE_FACE: FaceMoments = FaceMoments { k00: 1.0, k10: 0.5, k01: 0.5, k11: 0.25 };
-
-/// Hands the part of a face with `s <= 0` to `add` as signed pieces: the corner to count the face from, the
-/// sign, and the moments in the parametrisation that starts there.
-fn face_part(s: [f64; 4], mut add: impl FnMut(usize, f64, FaceMoments)) {
-    let mask = s.iter().enumerate().fold(0, |mask, (i, &s)| mask | (usize::from(s <= 0.0) << i));
-    match mask {
-        0b0000 => {}
-        0b1111 => add(0, 1.0, WHOLE_FACE),
-        0b0001 | 0b0010 | 0b0100 | 0b1000 => {
-            let i = mask.trailing_zeros() as usize;
-            add(i, 1.0, corner_moments(s, i));
-        }
-        0b0011 | 0b0110 | 0b1100 | 0b1001 => {
-            let i = if mask == 0b1001 { 3 } else { mask.trailing_zeros() as usize };
-            add(i, 1.0, strip_moments(s, i));
-        }
-        0b1110 | 0b1101 | 0b1011 | 0b0111 => {
-            let i = (!mask).trailing_zeros() as usize;
-            add(0, 1.0, WHOLE_FACE);
-            add(i, -1.0, corner_moments(s, i));
-        }
-        _ => {
-            // Two opposite corners: they meet across the saddle, or they do not.
-            let i = mask.trailing_zeros() as usize;
-            if s[i] * s[i + 2] > s[i + 1] * s[(i + 3) & 3] {
-                add(0, 1.0, WHOLE_FACE);
-                for outside in [i + 1, (i + 3) & 3] {
-                    add(outside, -1.0, corner_moments(s, outside));
-                }
-            } else {
-                for inside in [i, i + 2] {
-                    add(inside, 1.0, corner_moments(s, inside));
-                }
-            }
-        }
-    }
-}
-
-/// The region at corner `i`, whose height has the other sign than those of its neighbours: `u + v + w u v <= 1` in
-/// `u = alpha / a`, `v = beta / b` with `a = s1/(s1-s2)`, `b = s1/(s1-s4)`,
-/// `1 + w = (s2 s4 - s1 s3) / ((s2-s1)(s4-s1))`.
-fn corner_moments(s: [f64; 4], i: usize) -> FaceMoments {
-    let [s1, s2, s3, s4] = rotated(s, i);
-    let (to2, to4) = (s2 - s1, s4 - s1);
-    let (a, b) = (-s1 / to2, -s1 / to4);
-    let denominator = to2 * to4;
-    let saddle = (s2 * s4 - s1 * s3).max(0.0);
-    let m = hyperbola::moments(saddle, denominator, -s1 * ((s3 - s4) - to2));
-    let ab = a * b;
-    FaceMoments { k00: ab * m.m00, k10: ab * a * m.m10, k01: ab * b * m.m10, k11: ab * ab * m.m11 }
-}
-
-/// The strip at the edge from corner `i` to the next, under `beta = bR + (bL - bR) g(alpha)`,
-/// `g = (1 - alpha) / (1 + w alpha)`, `1 + w = (s3-s2)/(s4-s1)`, `bL = s1/(s1-s4)`, `bR = s2/(s2-s3)`.
-fn strip_moments(s: [f64; 4], i: usize) -> FaceMoments {
-    let [s1, s2, s3, s4] = rotated(s, i);
-    let (to3, to4) = (s3 - s2, s4 - s1);
-    let (left, right) = (-s1 / to4, -s2 / to3);
-    let step = left - right;
-    let m = hyperbola::moments(to3, to4, (s3 - s4) - (s2 - s1));
-    FaceMoments {
-        k00: right + step * m.m00,
-        k10: 0.5 * right + step * m.m10,
-        k01: 0.5 * right * right + step * (right * m.m00 + step * m.m10),
-        k11: 0.25 * right * right + step * (right * m.m10 + step * m.m11),
-    }
-}
-
-fn rotated(s: [f64; 4], i: usize) -> [f64; 4] {
-    [s[i], s[(i + 1) & 3], s[(i + 2) & 3], s[(i + 3) & 3]]
 }
 
 impl Cell<3> for Hexahedron {
@@ -369,9 +297,11 @@ impl Cell<3> for Hexahedron {
 
     fn truncate(&self, half_space: &HalfSpace<3>) -> Truncation {
         let along = self.along(&half_space.normal);
-        let depth = -along.height(half_space.constant) - along.low;
-        let Value { value, derivative } = along.volume(depth);
-        Truncation { volume: self.determinant * value, section_area: self.determinant * derivative }
+        let Value { value, derivative } = along.volume(along.depth(half_space.constant));
+        Truncation {
+            volume: self.determinant * value,
+            section_area: self.determinant * (derivative / along.size),
+        }
     }
 
     fn plane_constant(
@@ -384,7 +314,7 @@ impl Cell<3> for Hexahedron {
         plane_constant::from_smaller_part(fraction, |sign, fraction| {
             let along = self.along(&(normal * sign));
             let found = plane_constant::find(&along, fraction, method)?;
-            Ok(found.shifted(along.low, along.base, along.offset, sign))
+            Ok(found.with(along.constant(found.constant, sign), sign))
         })
     }
 

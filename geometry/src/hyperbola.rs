@@ -81,10 +81,11 @@ const LARGE_W: f64 = 8.0;
 /// The moments for `1 + w = numerator / denominator`, both not negative and not both zero, where `difference` is
 /// `numerator - denominator`, which the caller has without cancellation.
 pub fn moments(numerator: f64, denominator: f64, difference: f64) -> Moments {
-    let scale = 1.0 / (numerator + denominator);
-    let z = difference * scale;
-    let one_minus_z = 2.0 * denominator * scale;
-    let one_plus_z = 2.0 * numerator * scale;
+    // Not times the inverse, which overflows for subnormal heights.
+    let sum = numerator + denominator;
+    let z = difference / sum;
+    let one_minus_z = 2.0 * denominator / sum;
+    let one_plus_z = 2.0 * numerator / sum;
     let z2 = z * z;
     if z2 <= WIDE {
         let polynomial = |terms: &[f64]| terms.iter().rev().fold(0.0, |sum, c| sum * z2 + c);

@@ -35,6 +35,7 @@
 
 pub mod cell;
 pub mod defects;
+mod face_part;
 pub mod half_space;
 pub mod hexahedron;
 pub mod hyperbola;

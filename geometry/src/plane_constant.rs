@@ -101,10 +101,8 @@ pub(crate) fn from_smaller_part(
 }
 
 impl PlaneConstant {
-    /// From a depth over the lowest node along `sign n` to the constant of `n`, where along `sign n` the frame's origin
-    /// has the height `base + offset` and the lowest node the height `low` over it.
-    pub(crate) fn shifted(self, low: f64, base: [f64; 2], offset: f64, sign: f64) -> Self {
-        let constant = sign * (base[0] + (base[1] + (offset + (low + self.constant))));
+    /// From a depth along `sign n` to the `constant` of `n` that belongs to it.
+    pub(crate) fn with(self, constant: f64, sign: f64) -> Self {
         Self { constant, residual: sign * self.residual, ..self }
     }
 }

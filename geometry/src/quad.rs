@@ -13,7 +13,7 @@
 use nalgebra::Matrix2;
 
 use crate::cell::{Cell, Truncation};
-use crate::half_space::{compensated_dot, compensated_height};
+use crate::half_space::{compensated_dot, compensated_height, largest_and_direction};
 use crate::parallelepiped::UnitCube;
 use crate::plane_constant::{self, Monotone, PlaneConstant, PositionError, PositionMethod};
 use crate::root::Value;
@@ -84,19 +84,23 @@ impl Quad {
 
     /// The cell as its function area(depth) along one normal, in the affine frame.
     fn along(&self, normal: &Vector2) -> Along<'_> {
-        let m = self.jacobian.tr_mul(normal);
+        let (size, m) = largest_and_direction(&self.jacobian.tr_mul(normal));
         let mut heights = self.local.map(|y| m.dot(&y));
         let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
         heights.iter_mut().for_each(|h| *h -= low);
         let base = compensated_dot(normal, &self.nodes[0]);
         let offset = normal.dot(&self.origin);
-        Along { cell: self, m, cube: UnitCube::new(m.as_slice()), base, offset, low, heights }
+        Along { cell: self, size, m, cube: UnitCube::new(m.as_slice()), base, offset, low, heights }
     }
 }
 
-/// A quadrilateral along one normal, in its affine frame: heights of the nodes over the lowest of them.
+/// A quadrilateral along one normal, in its affine frame: heights of the nodes over the lowest of them, in
+/// units of `size`.
 struct Along<'a> {
     cell: &'a Quad,
+    /// Largest component of `J^T n`, the unit of all heights and depths here.
+    size: f64,
+    /// `m = J^T n / size`.
     m: Vector2,
     /// The cell without its twist, along the same normal.
     cube: UnitCube,
@@ -167,9 +171,14 @@ impl Monotone for Along<'_> {
 }
 
 impl Along<'_> {
-    /// The height of the frame's origin over the plane.
-    fn height(&self, constant: f64) -> f64 {
-        compensated_height(self.base, self.offset, constant)
+    /// The depth of a plane over the lowest node.
+    fn depth(&self, constant: f64) -> f64 {
+        -compensated_height(self.base, self.offset, constant) / self.size - self.low
+    }
+
+    /// The plane constant of a depth, for the normal along which this is times `sign`.
+    fn constant(&self, depth: f64, sign: f64) -> f64 {
+        sign * (self.base[0] + (self.base[1] + (self.offset + (self.low + depth) * self.size)))
     }
 
     /// Area and section where the heights `s` over a line with normal `sign m` are not positive.
@@ -254,9 +263,11 @@ impl Cell<2> for Quad {
 
     fn truncate(&self, half_space: &HalfSpace<2>) -> Truncation {
         let along = self.along(&half_space.normal);
-        let depth = -along.height(half_space.constant) - along.low;
-        let Value { value, derivative } = along.volume(depth);
-        Truncation { volume: self.determinant * value, section_area: self.determinant * derivative }
+        let Value { value, derivative } = along.volume(along.depth(half_space.constant));
+        Truncation {
+            volume: self.determinant * value,
+            section_area: self.determinant * (derivative / along.size),
+        }
     }
 
     fn plane_constant(
@@ -269,7 +280,7 @@ impl Cell<2> for Quad {
         plane_constant::from_smaller_part(fraction, |sign, fraction| {
             let along = self.along(&(normal * sign));
             let found = plane_constant::find(&along, fraction, method)?;
-            Ok(found.shifted(along.low, along.base, along.offset, sign))
+            Ok(found.with(along.constant(found.constant, sign), sign))
         })
     }
 

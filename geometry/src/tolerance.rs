@@ -44,3 +44,7 @@ pub const ORIENTATION: f64 = 3.0 * f64::EPSILON;
 /// Most chords that one curved edge of a section is sampled with. [`SECTION_CHORD`] asks for no more than 23 unless the
 /// face is folded; without a limit, coordinates near overflow could ask for any number.
 pub const SECTION_CHORDS: usize = 32;
+
+/// A component of a normal in the cell's frame, relative to the largest, that is counted as none: what it adds is far
+/// below rounding, and the inverse of a smaller one overflows.
+pub const DIRECTION_NEGLIGIBLE: f64 = 1e-290;

@@ -97,6 +97,28 @@ fn section_area() {
     });
 }
 
+#[test]
+fn defects_of_valid_collapsed_and_bow_tie_cells() {
+    let (mut bow_ties, mut refused) = (0, 0);
+    for case in golden() {
+        let defects = case.cell().defects();
+        let error = defects.iter().find(|defect| defect.is_error());
+        match case.category {
+            "swept" => continue,
+            "bow_tie" => {
+                bow_ties += 1;
+                refused += usize::from(error.is_some());
+            }
+            "collapsed" => {
+                assert!(error.is_none() && !defects.is_empty(), "{}: {defects:?}", case.category);
+            }
+            _ => assert!(error.is_none(), "{}: {error:?}", case.category),
+        }
+    }
+    println!("{refused} of {bow_ties} bow-ties refused");
+    assert!(10 * refused >= 9 * bow_ties, "{refused} of {bow_ties}");
+}
+
 /// The terms of inverted cells and thin swept regions cancel. The volume of the nodes' bounding box stands for
 /// the sum of the terms' magnitudes.
 #[test]

@@ -1,0 +1,73 @@
+//! What fuzzing found, each under a name of its own.
+
+mod common;
+
+use common::{Random, corner};
+use vofkit_geometry::{Cell, HalfSpace, Hexahedron, Quad, Vector};
+
+fn length_of_the_normal_does_not_matter<const D: usize, C: Cell<D>>() {
+    let mut random = Random(1);
+    let skewed = |offset: [usize; D]| corner(offset) + Vector::<D>::repeat(0.2 * corner(offset)[0]);
+    for cell in [random.cell(0.2), C::from_corners(corner), C::from_corners(skewed)] {
+        let normal = random.unit::<D>();
+        let exact = cell.truncate(&HalfSpace { normal, constant: 0.3 });
+        for length in [1e-300, 1e-200, 1e-100, 1e100, 1e200, 1e300] {
+            let half_space = HalfSpace { normal: normal * length, constant: 0.3 * length };
+            let found = cell.truncate(&half_space);
+            assert!((found.volume - exact.volume).abs() <= 4e-15, "{length:e}: {found:?} {exact:?}");
+            let area = found.section_area * length;
+            assert!((area - exact.section_area).abs() <= 1e-13, "{length:e}: {found:?} {exact:?}");
+        }
+        let subnormal = HalfSpace { normal: normal * 1e-319, constant: 0.0 };
+        assert!(cell.truncate(&subnormal).volume.is_finite());
+    }
+}
+
+/// The squares of the components of short normals underflowed, and the volume was NaN.
+#[test]
+fn short_and_long_normals_are_directions() {
+    length_of_the_normal_does_not_matter::<3, Hexahedron>();
+    length_of_the_normal_does_not_matter::<2, Quad>();
+}
+
+/// The heights of a face's corners were so small that their product underflowed, and the volume was NaN.
+#[test]
+fn face_that_is_in_the_plane_but_for_subnormal_heights() {
+    let mut random = Random(2);
+    for height in [1e-160, 1e-200, 1e-300, 5e-324] {
+        for _ in 0..50 {
+            let lift: [f64; 8] = std::array::from_fn(|_| height * random.within(-1.0, 1.0).round());
+            let cell = Hexahedron::from_corners(|[i, j, k]| {
+                let mut x = corner([i, j, k]);
+                x[2] += if k == 0 { lift[i + 2 * j] } else { 0.05 * (i * j) as f64 };
+                x
+            });
+            let half_space = HalfSpace { normal: Vector::<3>::new(height, 0.0, 1.0), constant: 0.0 };
+            let below = cell.truncate(&half_space);
+            let above = cell.truncate(&half_space.complement());
+            assert!(below.volume.abs() <= 1e-15 && below.section_area.is_finite(), "{height:e}: {below:?}");
+            assert!((above.volume - cell.volume()).abs() <= 2e-15, "{height:e}: {above:?}");
+        }
+    }
+}
+
+/// The heights of a strip's corners were subnormal, their inverse overflowed, and the volume was NaN.
+#[test]
+fn strip_of_subnormal_heights() {
+    let cell = Hexahedron::from_corners(|[i, j, k]| {
+        let stretch = if [i, j, k] == [1, 1, 0] { 0.225 } else { 0.0 };
+        corner([i, j, k]) + Vector::<3>::new(0.0, stretch, 0.0)
+    });
+    let normal = Vector::<3>::new(5.432e-318, 5.5626846e-315, 1.0);
+    let below = cell.truncate(&HalfSpace { normal, constant: 2.7814e-315 });
+    assert!(below.volume.abs() <= 1e-15 && below.section_area.is_finite(), "{below:?}");
+}
+
+/// The inverse of a subnormal component of the normal overflowed in the closed form, and the volume was NaN.
+#[test]
+fn box_cut_by_a_plane_that_is_parallel_but_for_a_subnormal_component() {
+    let cell = Hexahedron::from_corners(corner);
+    let normal = Vector::<3>::new(5.43e-312, 6.0, 0.0);
+    let below = cell.truncate(&HalfSpace { normal, constant: 2.05e-314 });
+    assert!(below.volume.abs() <= 1e-15 && (below.section_area - 1.0 / 6.0).abs() <= 1e-15, "{below:?}");
+}

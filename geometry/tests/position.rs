@@ -1,0 +1,108 @@
+//! The inverse of truncation: what it costs, and what it says when there is no answer.
+
+mod common;
+
+use common::{Random, corner};
+use vofkit_geometry::{Cell, Hexahedron, PositionError, PositionMethod, Quad, Vector};
+
+const SAMPLES: usize = 2000;
+
+/// Mean and largest number of evaluations, on ruled hexahedra with fractions between 0.001 and 0.999.
+fn evaluations(method: PositionMethod) -> (f64, usize) {
+    let mut random = Random(7);
+    let counts: Vec<usize> = (0..SAMPLES)
+        .map(|_| {
+            let cell: Hexahedron = random.cell(0.15);
+            let normal = random.unit();
+            let fraction = random.within(0.001, 0.999);
+            cell.plane_constant(&normal, fraction, method).expect("a valid cell").evaluations
+        })
+        .collect();
+    (counts.iter().sum::<usize>() as f64 / SAMPLES as f64, counts.into_iter().max().unwrap_or(0))
+}
+
+#[test]
+fn evaluations_on_ruled_cells() {
+    for (method, mean_allowed, most_allowed) in
+        [(PositionMethod::Auto, 4.5, 8), (PositionMethod::Newton, 4.5, 8), (PositionMethod::Brent, 11.0, 20)]
+    {
+        let (mean, most) = evaluations(method);
+        println!("{method:?}: mean {mean:.2}, most {most}");
+        assert!(mean <= mean_allowed && most <= most_allowed, "{method:?}: mean {mean}, most {most}");
+    }
+}
+
+#[test]
+fn newton_and_brent_agree() {
+    let mut random = Random(8);
+    for _ in 0..SAMPLES {
+        let cell: Hexahedron = random.cell(0.3);
+        let normal = random.unit();
+        let fraction = random.within(0.01, 0.99);
+        let [newton, brent] = [PositionMethod::Newton, PositionMethod::Brent]
+            .map(|method| cell.plane_constant(&normal, fraction, method).expect("a valid cell").constant);
+        assert!((newton - brent).abs() <= 1e-13, "{newton} {brent}");
+    }
+}
+
+#[test]
+fn closed_forms_are_used_where_they_exist() {
+    let mut random = Random(9);
+    let quad: Quad = random.cell(0.2);
+    let position = quad.plane_constant(&random.unit(), 0.3, PositionMethod::Auto);
+    assert!(position.is_ok_and(|position| position.closed_form));
+    let shape = nalgebra::Matrix3::new(1.0, 0.2, 0.1, 0.0, 0.9, 0.3, 0.2, 0.0, 1.1);
+    let cell = Hexahedron::from_corners(|offset| shape * corner(offset));
+    let position = cell.plane_constant(&random.unit(), 0.3, PositionMethod::Auto);
+    assert!(cell.is_affine() && position.is_ok_and(|position| position.closed_form));
+}
+
+fn errors_are_typed<const D: usize, C: Cell<D>>(inverted: &C) {
+    let cell = C::from_corners(corner);
+    let normal = Vector::<D>::repeat(1.0);
+    let find = |cell: &C, normal: Vector<D>, fraction: f64| {
+        [PositionMethod::Auto, PositionMethod::Newton, PositionMethod::Brent].map(|method| {
+            let error = cell.plane_constant(&normal, fraction, method).expect_err("there is no answer");
+            assert!(!error.to_string().is_empty());
+            error
+        })
+    };
+    for fraction in [f64::NAN, -0.1, 1.1, f64::INFINITY] {
+        assert!(find(&cell, normal, fraction).iter().all(|e| matches!(e, PositionError::Fraction(_))));
+    }
+    for bad in [0.0, f64::NAN, f64::INFINITY] {
+        assert_eq!(find(&cell, Vector::<D>::repeat(bad), 0.5), [PositionError::Normal; 3]);
+    }
+    let is_volume = |e: &PositionError| matches!(e, PositionError::Volume(volume) if *volume <= 0.0);
+    assert!(find(inverted, normal, 0.5).iter().all(is_volume));
+    assert!(find(&C::from_corners(|_| normal), normal, 0.5).iter().all(is_volume));
+}
+
+#[test]
+fn errors_of_both_cells_are_typed() {
+    let mirrored = |x: Vector<3>| Vector::<3>::new(-x[0], x[1], x[2]);
+    errors_are_typed(&Hexahedron::from_corners(|offset| mirrored(corner(offset))));
+    errors_are_typed(&Quad::from_corners(|[i, j]| corner([j, i])));
+}
+
+/// A cell whose volume is positive but not monotone along the normal has no position for some fractions; what
+/// is returned for the others gives the volume asked for.
+#[test]
+fn folded_cells_fail_with_numbers_or_succeed() {
+    let mut random = Random(10);
+    let mut failed = 0;
+    for _ in 0..SAMPLES {
+        let cell: Hexahedron = random.cell(1.2);
+        let normal = random.unit();
+        match cell.plane_constant(&normal, random.within(0.0, 1.0), PositionMethod::Auto) {
+            Ok(position) => assert!(position.constant.is_finite() && position.residual.abs() <= 1e-12),
+            Err(PositionError::Volume(volume)) => assert!(volume <= 0.0),
+            Err(PositionError::NoConvergence { residual, evaluations }) => {
+                failed += 1;
+                assert!(!residual.is_nan() && evaluations > 0);
+            }
+            Err(error) => panic!("{error}"),
+        }
+    }
+    println!("{failed} of {SAMPLES} folded cells without a position");
+}
