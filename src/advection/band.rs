@@ -70,6 +70,8 @@ impl Band {
                 let inflow = boundary.inflow_fraction(material);
                 unsettled_in_row(grid, f, boundary, inflow, r * row, &mut unsettled);
             }
+            unsettled.sort_unstable();
+            unsettled.dedup();
             unsettled
         });
         for &seed in seeds.iter().flatten() {

@@ -84,11 +84,20 @@ impl<const D: usize> Grid<D> {
     /// The offset of a cell that lies `step` away from `offset`: wrapped along periodic axes, at the last cell
     /// inside elsewhere (the mirror image of the first layer outside).
     pub fn stepped(&self, offset: [usize; D], step: [isize; D]) -> [usize; D] {
-        std::array::from_fn(|axis| {
-            let n = self.cells[axis] as isize;
-            let at = offset[axis] as isize + step[axis];
-            (if self.periodic[axis] { at.rem_euclid(n) } else { at.clamp(0, n - 1) }) as usize
-        })
+        std::array::from_fn(|axis| self.stepped_along(axis, offset[axis], step[axis]))
+    }
+
+    fn stepped_along(&self, axis: usize, at: usize, step: isize) -> usize {
+        let n = self.cells[axis] as isize;
+        let to = at as isize + step;
+        // Divisions are dear, and most cells lie inside.
+        if (0..n).contains(&to) {
+            to as usize
+        } else if self.periodic[axis] {
+            to.rem_euclid(n) as usize
+        } else {
+            to.clamp(0, n - 1) as usize
+        }
     }
 
     /// All cells at most `radius` steps away along every axis, the cell itself among them. Cells that would lie beyond an
@@ -96,14 +105,14 @@ impl<const D: usize> Grid<D> {
     pub fn around(&self, index: usize, radius: usize) -> impl Iterator<Item = usize> + '_ {
         let at = self.offset(index);
         let width = 2 * radius + 1;
-        (0..width.pow(D as u32)).map(move |place| {
-            let mut rest = place;
-            let step: [isize; D] = std::array::from_fn(|_| {
-                let step = (rest % width) as isize - radius as isize;
-                rest /= width;
-                step
-            });
-            self.index(self.stepped(at, step))
+        let step = move |place: usize| (place % width) as isize - radius as isize;
+        (0..width.pow(D as u32 - 1)).flat_map(move |mut place| {
+            let mut row = 0;
+            for axis in 1..D {
+                row += self.stepped_along(axis, at[axis], step(place)) * self.strides[axis];
+                place /= width;
+            }
+            (0..width).map(move |place| row + self.stepped_along(0, at[0], step(place)))
         })
     }
 }
