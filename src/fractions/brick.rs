@@ -97,7 +97,8 @@ pub(super) fn coefficients<const D: usize>(
     }
     for bit in 0..D {
         for [a, b] in edges::<D>(bit) {
-            k[b] = k[b] - k[a];
+            let lower = k[a];
+            k[b] -= lower;
         }
     }
     k

@@ -3,7 +3,7 @@
 //! Totals are right to 1e-9 of a shape's volume and better on any mesh, however coarse or distorted; shapes with flat sides come out to
 //! rounding. The cost follows the surfaces: one bound settles a pure cell.
 //!
-//! Read in this order: [`region`] takes shapes apart into surfaces and logic; `cut` splits a cut cell into bricks; `integral`
+//! Read in this order: `region` takes shapes apart into surfaces and logic; `cut` splits a cut cell into bricks; `integral`
 //! integrates over one; `form` knows where lines cross surfaces and where that changes; `brick`, `polynomial`, `quadrature`
 //! and `tolerance` are the tools.
 
