@@ -17,6 +17,7 @@ const WHOLE_FACE: FaceMoments = FaceMoments { k00: 1.0, k10: 0.5, k01: 0.5, k11:
 
 /// Hands the part of a face with `s <= 0` to `add` as signed pieces: the corner to count the face from, the
 /// sign, and the moments in the parametrisation that starts there.
+#[inline]
 pub(crate) fn face_part(s: [f64; 4], mut add: impl FnMut(usize, f64, FaceMoments)) {
     let mask = s.iter().enumerate().fold(0, |mask, (i, &s)| mask | (usize::from(s <= 0.0) << i));
     match mask {

@@ -13,19 +13,21 @@
 //! ```
 //!
 //! with the moments `K_nm` of `alpha^n beta^m` over the part of the face's unit square where the bilinear height is not
-//! positive. That part is a corner under a hyperbola, a strip under one, or the complement of corners.
+//! positive. That part is a corner under a hyperbola, a strip under one, or the complement of corners. The private
+//! `along` does that for one normal.
+
+mod along;
 
 use nalgebra::Matrix3;
 
 use crate::cell::{Cell, Truncation};
-use crate::face_part::face_part;
-use crate::half_space::{compensated_dot, compensated_height, largest_and_direction};
-use crate::parallelepiped::UnitCube;
-use crate::plane_constant::{self, Monotone, PlaneConstant, PositionError, PositionMethod};
+use crate::plane_constant::{self, PlaneConstant, PositionError, PositionMethod};
 use crate::root::Value;
-use crate::ruled_face::{SurfaceElement, area_vector};
+use crate::ruled_face::area_vector;
 use crate::tolerance::{TWIST_AFFINE, TWIST_NEGLIGIBLE};
 use crate::{Defect, HalfSpace, Vector, defects, jacobian, section};
+
+use along::{Along, Profile};
 
 type Vector3 = Vector<3>;
 
@@ -37,8 +39,10 @@ pub struct Hexahedron {
     origin: Vector3,
     jacobian: Matrix3<f64>,
     determinant: f64,
-    /// The nodes in the affine frame.
+    /// The nodes in the frame.
     local: [Vector3; 8],
+    /// The twists in the frame.
+    twists: [Vector3; 4],
     local_volume: f64,
     affine: bool,
 }
@@ -68,42 +72,32 @@ impl Hexahedron {
     pub fn new(nodes: [Vector3; 8]) -> Self {
         let edges = mean_edges(&nodes);
         let raw = twists(&nodes);
-        let jacobian = Matrix3::from_columns(&edges);
-        let determinant = edges[0].dot(&edges[1].cross(&edges[2]));
-        // Rows of the inverse; not finite where the determinant vanishes.
-        let inverse = Matrix3::from_rows(&[
-            (edges[1].cross(&edges[2]) / determinant).transpose(),
-            (edges[2].cross(&edges[0]) / determinant).transpose(),
-            (edges[0].cross(&edges[1]) / determinant).transpose(),
-        ]);
-        let twist = raw.map(|a| inverse * a);
-        let size = twist.iter().map(|b| b.amax()).fold(0.0, f64::max);
+        let normals = [edges[1].cross(&edges[2]), edges[2].cross(&edges[0]), edges[0].cross(&edges[1])];
+        let determinant = edges[0].dot(&normals[0]);
+        let scale = determinant.recip();
+        // J^-1 a; not finite where the determinant vanishes.
+        let twists = raw.map(|a| Vector3::from_fn(|row, _| normals[row].dot(&a) * scale));
+        // Comparisons with NaN are false: what is not finite has no affine frame.
+        let within = |limit: f64| twists.iter().all(|b| b.iter().all(|c| c.abs() <= limit));
         let centre = 0.125 * nodes.iter().map(|x| x - nodes[0]).sum::<Vector3>();
-        if size > TWIST_AFFINE || !twist.iter().all(|b| b.iter().all(|c| c.is_finite())) {
+        if !within(TWIST_AFFINE) {
             return Self::scaled(nodes, centre);
         }
-        let affine = size <= TWIST_NEGLIGIBLE;
-        let local = std::array::from_fn(|i| {
-            let y = Vector3::from_fn(|axis, _| Self::OFFSETS[i][axis] as f64);
-            if affine {
-                return y;
+        let affine = within(TWIST_NEGLIGIBLE);
+        let mut local = CUBE;
+        let mut local_volume = 1.0;
+        if !affine {
+            for y in &mut local {
+                let c = y.add_scalar(-0.5);
+                *y += twists[0] * (c[0] * c[1])
+                    + twists[1] * (c[0] * c[2])
+                    + (twists[2] + twists[3] * c[0]) * (c[1] * c[2]);
             }
-            let c = y.add_scalar(-0.5);
-            y + twist[0] * (c[0] * c[1])
-                + twist[1] * (c[0] * c[2])
-                + twist[2] * (c[1] * c[2])
-                + twist[3] * (c[0] * c[1] * c[2])
-        });
-        let local_volume = if affine {
-            1.0
-        } else {
-            1.0 + (cross_component(0, &twist[0], &twist[1])
-                + cross_component(1, &twist[2], &twist[0])
-                + cross_component(2, &twist[1], &twist[2]))
-                / 12.0
-        };
-        let origin = centre - jacobian * Vector3::repeat(0.5);
-        Self { nodes, origin, jacobian, determinant, local, local_volume, affine }
+            local_volume = volume(&AXES, &twists);
+        }
+        let jacobian = Matrix3::from_columns(&edges);
+        let origin = centre - (edges[0] + edges[1] + edges[2]) * 0.5;
+        Self { nodes, origin, jacobian, determinant, local, twists, local_volume, affine }
     }
 
     /// The frame for cells whose mean edges nearly vanish or fall together: a shift and a length scale.
@@ -112,130 +106,42 @@ impl Hexahedron {
         let extent = relative.iter().map(|x| x.amax()).fold(0.0, f64::max);
         let scale = if extent > 0.0 { extent } else { 1.0 };
         let local = relative.map(|x| x / scale);
-        let [j1, j2, j3] = mean_edges(&local);
-        let [a12, a13, a23, _] = twists(&local);
-        let local_volume = j1.dot(&j2.cross(&j3))
-            + (j1.dot(&a12.cross(&a13)) + j2.dot(&a23.cross(&a12)) + j3.dot(&a13.cross(&a23))) / 12.0;
+        let (edges, twists) = (mean_edges(&local), twists(&local));
         Self {
             nodes,
             origin: centre,
             jacobian: Matrix3::identity() * scale,
             determinant: scale * scale * scale,
             local,
-            local_volume,
+            twists,
+            local_volume: volume(&edges, &twists),
             affine: false,
         }
     }
-
-    /// The cell as its function volume(delta) along one normal, in the affine frame.
-    fn along(&self, normal: &Vector3) -> Along<'_> {
-        let (size, m) = largest_and_direction(&self.jacobian.tr_mul(normal));
-        let mut heights = self.local.map(|y| m.dot(&y));
-        let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
-        heights.iter_mut().for_each(|h| *h -= low);
-        let base = compensated_dot(normal, &self.nodes[0]);
-        let offset = normal.dot(&self.origin);
-        Along { cell: self, size, m, cube: UnitCube::new(m.as_slice()), base, offset, low, heights }
-    }
 }
 
-/// `e_axis . (a x b)`.
-fn cross_component(axis: usize, a: &Vector3, b: &Vector3) -> f64 {
-    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-    a[i] * b[j] - a[j] * b[i]
-}
-
-/// A hexahedron along one normal, in its affine frame: heights of the nodes over the lowest of them, in
-/// units of `size`.
-struct Along<'a> {
-    cell: &'a Hexahedron,
-    /// Largest component of `J^T n`, the unit of all heights and depths here.
-    size: f64,
-    /// `m = J^T n / size`.
-    m: Vector3,
-    /// The cell without its twists, along the same normal.
-    cube: UnitCube,
-    /// `n.x` of the first node.
-    base: [f64; 2],
-    /// `n.x` of the frame's origin over the first node.
-    offset: f64,
-    /// `m.y` of the lowest node.
-    low: f64,
-    heights: [f64; 8],
-}
-
-impl Monotone for Along<'_> {
-    fn span(&self) -> f64 {
-        self.heights.iter().copied().fold(0.0, f64::max)
+/// The corners of the unit cube, in node order.
+const CUBE: [Vector3; 8] = {
+    let mut corners = [Vector3::new(0.0, 0.0, 0.0); 8];
+    let mut i = 0;
+    while i < 8 {
+        let at = <Hexahedron as Cell<3>>::OFFSETS[i];
+        corners[i] = Vector3::new(at[0] as f64, at[1] as f64, at[2] as f64);
+        i += 1;
     }
+    corners
+};
 
-    fn total(&self) -> f64 {
-        self.cell.local_volume
-    }
+/// The mean edges of the unit cube.
+const AXES: [Vector3; 3] =
+    [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0)];
 
-    fn volume(&self, depth: f64) -> Value {
-        if self.cell.affine {
-            return self.cube.volume(depth);
-        }
-        let s = self.heights.map(|h| h - depth);
-        let inside = s.iter().filter(|&&s| s <= 0.0).count();
-        if inside == 0 {
-            return Value { value: 0.0, derivative: 0.0 };
-        }
-        if inside == 8 {
-            return Value { value: self.cell.local_volume, derivative: 0.0 };
-        }
-        if inside <= 4 {
-            self.lower_part(&s, 1.0)
-        } else {
-            // The smaller part is the one to compute: less to do, and it keeps its relative accuracy.
-            let Value { value, derivative } = self.lower_part(&s.map(|s| -s), -1.0);
-            Value { value: self.cell.local_volume - value, derivative }
-        }
-    }
-
-    fn start(&self, fraction: f64) -> f64 {
-        self.cube.position(fraction).0 * (self.span() / self.cube.span())
-    }
-
-    fn closed_form(&self, fraction: f64) -> Option<(f64, usize)> {
-        self.cell.affine.then(|| self.cube.position(fraction))
-    }
-}
-
-impl Along<'_> {
-    /// The depth of a plane over the lowest node.
-    fn depth(&self, constant: f64) -> f64 {
-        -compensated_height(self.base, self.offset, constant) / self.size - self.low
-    }
-
-    /// The plane constant of a depth, for the normal along which this is times `sign`.
-    fn constant(&self, depth: f64, sign: f64) -> f64 {
-        sign * (self.base[0] + (self.base[1] + (self.offset + (self.low + depth) * self.size)))
-    }
-
-    /// Volume and section where the heights `s` over a plane with normal `sign m` are not positive.
-    fn lower_part(&self, s: &[f64; 8], sign: f64) -> Value {
-        let y = &self.cell.local;
-        let m2 = self.m.norm_squared();
-        // A point of the plane next to the part that is wanted keeps small parts accurate.
-        let lowest = (1..8).fold(0, |best, i| if s[i] < s[best] { i } else { best });
-        let p = y[lowest] - self.m * (sign * s[lowest] / m2);
-        let mut triple = 0.0;
-        let mut k = Vector3::zeros();
-        for face in Hexahedron::FACE_NODES {
-            let heights = std::array::from_fn(|i| s[face[i]]);
-            face_part(heights, |first, sign, moments| {
-                let corner = |i: usize| &y[face[(first + i) & 3]];
-                let SurfaceElement { q0, q_alpha, q_beta, nu } =
-                    SurfaceElement::new([corner(0), corner(1), corner(2), corner(3)]);
-                let part = q0 * moments.k00 + q_alpha * moments.k10 + q_beta * moments.k01;
-                k += part * sign;
-                triple += sign * ((corner(0) - p).dot(&part) - nu * moments.k11);
-            });
-        }
-        Value { value: triple / 3.0, derivative: -sign * self.m.dot(&k) / m2 }
-    }
+/// The volume of a trilinear cell with mean edges `j` and second-order twists `b` along (xi eta, xi zeta, eta zeta): the
+/// Jacobian determinant about the centre, in which all odd powers integrate to zero,
+/// `V = j1.(j2 x j3) + [ j1.(b12 x b13) + j2.(b23 x b12) + j3.(b13 x b23) ] / 12`.
+fn volume([j1, j2, j3]: &[Vector3; 3], [b12, b13, b23, _]: &[Vector3; 4]) -> f64 {
+    j1.dot(&j2.cross(j3))
+        + (j1.dot(&b12.cross(b13)) + j2.dot(&b23.cross(b12)) + j3.dot(&b13.cross(b23))) / 12.0
 }
 
 impl Cell<3> for Hexahedron {
@@ -296,12 +202,19 @@ impl Cell<3> for Hexahedron {
     }
 
     fn truncate(&self, half_space: &HalfSpace<3>) -> Truncation {
-        let along = self.along(&half_space.normal);
+        let along = Along::new(self, &half_space.normal);
         let Value { value, derivative } = along.volume(along.depth(half_space.constant));
         Truncation {
             volume: self.determinant * value,
             section_area: self.determinant * (derivative / along.size),
         }
+    }
+
+    fn first_moment_about(&self, half_space: &HalfSpace<3>, point: &Vector3) -> Vector3 {
+        let along = Along::new(self, &half_space.normal);
+        let part = along.moment(along.depth(half_space.constant));
+        let origin = (self.nodes[0] - point) + self.origin;
+        (origin * part.volume + self.jacobian * part.first) * self.determinant
     }
 
     fn plane_constant(
@@ -312,31 +225,26 @@ impl Cell<3> for Hexahedron {
     ) -> Result<PlaneConstant, PositionError> {
         plane_constant::check(normal.as_slice(), fraction, self.volume())?;
         plane_constant::from_smaller_part(fraction, |sign, fraction| {
-            let along = self.along(&(normal * sign));
-            let found = plane_constant::find(&along, fraction, method)?;
+            let along = Along::new(self, &(normal * sign));
+            let found = plane_constant::find(&Profile::new(&along), fraction, method)?;
             Ok(found.with(along.constant(found.constant, sign), sign))
         })
     }
 
     fn slab(&self, face: usize, fraction: f64) -> Self {
         let (axis, upper) = (face / 2, face % 2 == 1);
-        let x = &self.nodes;
-        // Partial volumes are a cubic in the depth, fixed by the Bernstein coefficients of the sections.
         let depth = if self.affine {
             fraction.clamp(0.0, 1.0)
         } else {
-            let section = |t: f64| self.integrated_determinant(axis, if upper { 1.0 - t } else { t });
+            let section = |t: f64| self.section_determinant(axis, if upper { 0.5 - t } else { t - 0.5 });
             plane_constant::slab_depth([section(0.0), section(0.5), section(1.0)], fraction)
         };
-        Self::from_corners(|offset| {
-            let node = |side: usize| {
-                let mut at = offset;
-                at[axis] = side;
-                x[Self::OFFSETS.iter().position(|o| *o == at).expect("every offset has a node")]
-            };
-            let (near, far) = (node(usize::from(upper)), node(usize::from(!upper)));
-            if (offset[axis] == 1) == upper { near } else { near + (far - near) * depth }
-        })
+        let front: [Vector3; 4] = std::array::from_fn(|i| self.nodes[Self::FACE_NODES[face][i]]);
+        let back = std::array::from_fn::<_, 4, _>(|i| {
+            let far = self.nodes[ACROSS[axis][Self::FACE_NODES[face][i]]];
+            front[i] + (far - front[i]) * depth
+        });
+        Self::swept(&back, &front)
     }
 
     fn section(&self, half_space: &HalfSpace<3>) -> Vec<Vec<Vector3>> {
@@ -348,20 +256,23 @@ impl Cell<3> for Hexahedron {
     }
 }
 
+/// The node at the other end of the edge along an axis.
+const ACROSS: [[usize; 8]; 3] =
+    [[1, 0, 3, 2, 5, 4, 7, 6], [3, 2, 1, 0, 7, 6, 5, 4], [4, 5, 6, 7, 0, 1, 2, 3]];
+
 impl Hexahedron {
-    /// The Jacobian determinant integrated over the section at coordinate `t` of one axis: a quadratic in `t`.
-    fn integrated_determinant(&self, axis: usize, t: f64) -> f64 {
-        // The determinant is quadratic in each coordinate: Simpson's rule is exact.
-        const SIMPSON: [(f64, f64); 3] = [(0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0)];
-        let mut sum = 0.0;
-        for (u, weight_u) in SIMPSON {
-            for (v, weight_v) in SIMPSON {
-                let mut local = Vector3::repeat(t);
-                local[(axis + 1) % 3] = u;
-                local[(axis + 2) % 3] = v;
-                sum += weight_u * weight_v * self.jacobian_determinant(&local);
-            }
-        }
-        sum
+    /// The Jacobian determinant, in the frame, integrated over the section at distance `c` from the centre along one axis:
+    /// with the axes `i, j, k` in cyclic order, `P = e_j + c b_ij`, `Q = e_k + c b_ik`, `R = b_jk + c b`,
+    /// it is `e_i.(P x Q) + [ b_ij.(P x R) + b_ik.(R x Q) ] / 12`.
+    fn section_determinant(&self, axis: usize, c: f64) -> f64 {
+        // The twists of two axes, by the third.
+        let twist = |without: usize| &self.twists[[2, 1, 0][without]];
+        let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
+        let (b_ij, b_ik, b_jk) = (twist(k), twist(j), twist(axis));
+        let edges = mean_edges(&self.local);
+        let p = edges[j] + b_ij * c;
+        let q = edges[k] + b_ik * c;
+        let r = b_jk + self.twists[3] * c;
+        edges[axis].dot(&p.cross(&q)) + (b_ij.dot(&p.cross(&r)) + b_ik.dot(&r.cross(&q))) / 12.0
     }
 }

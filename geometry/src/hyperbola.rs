@@ -81,16 +81,15 @@ const LARGE_W: f64 = 8.0;
 /// The moments for `1 + w = numerator / denominator`, both not negative and not both zero, where `difference` is
 /// `numerator - denominator`, which the caller has without cancellation.
 pub fn moments(numerator: f64, denominator: f64, difference: f64) -> Moments {
-    // Not times the inverse, which overflows for subnormal heights.
     let sum = numerator + denominator;
     let z = difference / sum;
-    let one_minus_z = 2.0 * denominator / sum;
-    let one_plus_z = 2.0 * numerator / sum;
     let z2 = z * z;
+    if z2 <= SHORT {
+        return from_even_part(z, 1.0 - z, 1.0 + z, short_polynomial(z2));
+    }
     if z2 <= WIDE {
-        let polynomial = |terms: &[f64]| terms.iter().rev().fold(0.0, |sum, c| sum * z2 + c);
-        let a = if z2 <= SHORT { polynomial(&EVEN) } else { polynomial(&EVEN_WIDE) };
-        return from_even_part(z, one_minus_z, one_plus_z, a);
+        let a = EVEN_WIDE.iter().rev().fold(0.0, |sum, c| sum * z2 + c);
+        return from_even_part(z, 1.0 - z, 1.0 + z, a);
     }
     let ratio = (numerator / denominator).clamp(RATIO_RANGE[0], RATIO_RANGE[1]);
     let ln = ratio.ln();
@@ -105,7 +104,16 @@ pub fn moments(numerator: f64, denominator: f64, difference: f64) -> Moments {
     }
     let inverse = 1.0 / z2;
     let a = ((0.5 * ln / z - 1.0) * inverse - 1.0 / 3.0) * inverse;
-    from_even_part(z, one_minus_z, one_plus_z, a)
+    // Here 1 - z and 1 + z may cancel.
+    from_even_part(z, 2.0 * denominator / sum, 2.0 * numerator / sum, a)
+}
+
+/// The polynomial with the terms [`EVEN`], in pairs (Estrin), which shortens the chain of operations that wait for each other.
+fn short_polynomial(x: f64) -> f64 {
+    let pair = |i: usize| EVEN[i] + EVEN[i + 1] * x;
+    let x2 = x * x;
+    let x4 = x2 * x2;
+    (pair(0) + pair(2) * x2) + x4 * ((pair(4) + pair(6) * x2) + pair(8) * x4)
 }
 
 fn from_even_part(z: f64, one_minus_z: f64, one_plus_z: f64, a: f64) -> Moments {

@@ -40,11 +40,13 @@ pub mod half_space;
 pub mod hexahedron;
 pub mod hyperbola;
 mod jacobian;
+mod moment;
 pub mod parallelepiped;
 pub mod plane_constant;
 pub mod quad;
 pub mod root;
 pub mod ruled_face;
+pub mod second_moments;
 pub mod section;
 pub mod tolerance;
 

@@ -18,7 +18,7 @@ use crate::parallelepiped::UnitCube;
 use crate::plane_constant::{self, Monotone, PlaneConstant, PositionError, PositionMethod};
 use crate::root::Value;
 use crate::tolerance::{TWIST_AFFINE, TWIST_NEGLIGIBLE};
-use crate::{Defect, HalfSpace, Vector, defects, section};
+use crate::{Defect, HalfSpace, Vector, defects, moment, section};
 
 type Vector2 = Vector<2>;
 
@@ -268,6 +268,14 @@ impl Cell<2> for Quad {
             volume: self.determinant * value,
             section_area: self.determinant * (derivative / along.size),
         }
+    }
+
+    fn first_moment_about(&self, half_space: &HalfSpace<2>, point: &Vector2) -> Vector2 {
+        let along = self.along(&half_space.normal);
+        let depth = along.depth(half_space.constant);
+        let part = moment::of_quad(&self.local, &along.m, &along.heights.map(|h| h - depth));
+        let origin = (self.nodes[0] - point) + self.origin;
+        (origin * part.volume + self.jacobian * part.first) * self.determinant
     }
 
     fn plane_constant(

@@ -73,7 +73,7 @@ fn edge_between(a: usize, b: usize) -> usize {
 
 /// Which piece of a face's section an arc is, by the corner it is counted from.
 #[derive(Clone, Copy)]
-enum Piece {
+pub(crate) enum Piece {
     /// Around corner `i`, from the edge to the next corner to the edge to the one before.
     Corner(usize),
     /// Between the corners `i`, `i + 1` and the other two, from the edge behind `i + 1` to that before `i`.
@@ -87,7 +87,7 @@ fn arcs_of_face(nodes: &[Vector3; 8], heights: &[f64; 8], outward: &[usize], arc
     let face =
         Face { x: order.nodes.map(|i| nodes[outward[i]]), s: order.nodes.map(|i| heights[outward[i]]) };
     let edge = |i: usize| edge_between(outward[order.nodes[i & 3]], outward[order.nodes[(i + 1) & 3]]);
-    for (piece, material_on_left) in face.pieces().into_iter().flatten() {
+    for (piece, material_on_left) in pieces(&face.s).into_iter().flatten() {
         let (start, end) = match piece {
             Piece::Corner(i) => (edge(i), edge(i + 3)),
             Piece::Strip(i) => (edge(i + 1), edge(i + 3)),
@@ -142,6 +142,25 @@ fn crossing<const D: usize>(x: [&Vector<D>; 2], s: [f64; 2]) -> Vector<D> {
     a + (b - a) * (s_a / (s_a - s_b))
 }
 
+/// The pieces of the section of a face with these heights, each with whether the material (`s <= 0`) is on its left:
+/// the cases of the truncated volume.
+pub(crate) fn pieces(s: &[f64; 4]) -> [Option<(Piece, bool)>; 2] {
+    let mask = s.iter().enumerate().fold(0_usize, |mask, (i, &s)| mask | (usize::from(s <= 0.0) << i));
+    let inside = mask.trailing_zeros() as usize;
+    match mask.count_ones() {
+        1 => [Some((Piece::Corner(inside), true)), None],
+        3 => [Some((Piece::Corner((!mask).trailing_zeros() as usize), false)), None],
+        2 if mask == 0b1001 => [Some((Piece::Strip(3), true)), None],
+        2 if mask != 0b0101 && mask != 0b1010 => [Some((Piece::Strip(inside), true)), None],
+        2 => {
+            let across = s[inside] * s[inside + 2] > s[inside + 1] * s[(inside + 3) & 3];
+            let first = if across { inside + 1 } else { inside };
+            [first, first + 2].map(|i| Some((Piece::Corner(i & 3), !across)))
+        }
+        _ => [None, None],
+    }
+}
+
 /// A face in canonical order, with the heights of its corners over the plane.
 struct Face {
     x: [Vector3; 4],
@@ -149,26 +168,6 @@ struct Face {
 }
 
 impl Face {
-    /// The pieces of the section, each with whether the material (`s <= 0`) is on its left: the cases of the
-    /// truncated volume.
-    fn pieces(&self) -> [Option<(Piece, bool)>; 2] {
-        let s = &self.s;
-        let mask = s.iter().enumerate().fold(0_usize, |mask, (i, &s)| mask | (usize::from(s <= 0.0) << i));
-        let inside = mask.trailing_zeros() as usize;
-        match mask.count_ones() {
-            1 => [Some((Piece::Corner(inside), true)), None],
-            3 => [Some((Piece::Corner((!mask).trailing_zeros() as usize), false)), None],
-            2 if mask == 0b1001 => [Some((Piece::Strip(3), true)), None],
-            2 if mask != 0b0101 && mask != 0b1010 => [Some((Piece::Strip(inside), true)), None],
-            2 => {
-                let across = s[inside] * s[inside + 2] > s[inside + 1] * s[(inside + 3) & 3];
-                let first = if across { inside + 1 } else { inside };
-                [first, first + 2].map(|i| Some((Piece::Corner(i & 3), !across)))
-            }
-            _ => [None, None],
-        }
-    }
-
     /// The points of a piece, from start to end.
     fn points(&self, piece: Piece) -> Vec<Vector3> {
         let curve = Curve::new(self, piece);
