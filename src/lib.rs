@@ -1,9 +1,34 @@
 //! Volume-of-fluid interface reconstruction and advection on distorted quadrilateral and hexahedral meshes.
-#![allow(missing_docs)]
+//!
+//! Data travels one way, and the rooms below are in that order:
+//!
+//! 1. [`geometry`]: cells, planes, truncated volumes and plane constants;
+//! 2. [`mesh`]: structured meshes, distorted and checked;
+//! 3. [`shape`] and [`fractions`]: from shapes to volume fractions; [`velocity`]: fields and the volumes that cross faces;
+//! 4. [`normal`] and [`interface`]: a plane in every mixed cell, and its [`facet`];
+//! 5. [`advection`]: fractions a step later, with a ledger of what was done;
+//! 6. [`metrics`]: numbers that judge a result; [`export`]: files for viewers.
+//!
+//! With the feature `cli`, `scene` reads scene files, `run` runs them, `report` sums up, and `cli` is the command line `vofkit`.
+//! Numerics never look at these. Two and three dimensions are one code, generic over the dimension `D` and the type of
+//! [cell](geometry::Cell).
+//!
+//! ```
+//! use vofkit::prelude::*;
+//!
+//! let mesh = Mesh::<Quad, 2>::unit([32; 2], &Distortion::Wave { amplitude: 0.3 })?;
+//! let mut fractions = volume_fractions(&mesh, &[Shape::Sphere { centre: [0.5, 0.75].into(), radius: 0.15 }]);
+//! let velocity = Velocity { field: Field::ReversedVortex, reversal: Reversal::None };
+//! let mut transport = Transport::new(&mesh, velocity, Settings::default())?;
+//! transport.step(&mut fractions, 0, 0.0, 0.5 / transport.courant_rate())?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub use vofkit_geometry as geometry;
 
 pub mod advection;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod export;
 pub mod facet;
 pub mod fractions;
@@ -12,7 +37,6 @@ pub mod mesh;
 pub mod metrics;
 pub mod normal;
 pub mod parallel;
-
 #[cfg(feature = "cli")]
 pub mod report;
 #[cfg(feature = "cli")]
@@ -22,3 +46,21 @@ pub mod scene;
 pub mod shape;
 pub mod tolerance;
 pub mod velocity;
+
+/// What most programs use.
+pub mod prelude {
+    pub use crate::advection::{Ledger, Settings, StepError, SweepAxes, Transport};
+    pub use crate::facet::Facet;
+    pub use crate::fractions::volume_fractions;
+    pub use crate::geometry::{Cell, HalfSpace, Hexahedron, PositionMethod, Quad, Vector};
+    pub use crate::interface::{Interface, Reconstruction, reconstruct};
+    pub use crate::mesh::{Distortion, Grid, Mesh};
+    pub use crate::metrics::{fragments, material_volume, shape_error};
+    pub use crate::normal::NormalMethod;
+    pub use crate::shape::{Rotation, Shape};
+    pub use crate::velocity::{Field, Reversal, Velocity};
+}
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

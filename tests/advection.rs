@@ -5,14 +5,13 @@ mod common;
 use common::{Mesh2, Mesh3, random, transport, unit_mesh};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use vofkit::advection::{Boundary, End, Ledger, StepError, SweepAxes, Transport};
+use vofkit::advection::{End, Ledger, Settings, StepError, SweepAxes, Transport};
 use vofkit::fractions::volume_fractions;
 use vofkit::geometry::{Cell, Vector};
-use vofkit::interface::Reconstruction;
 use vofkit::mesh::{Distortion, Grid, Mesh};
 use vofkit::metrics::{material_volume, shape_error};
 use vofkit::shape::Shape;
-use vofkit::velocity::{FaceFluxes, Field, Reversal, Velocity};
+use vofkit::velocity::{Field, Reversal, Velocity};
 
 fn steady(field: Field) -> Velocity {
     Velocity { field, reversal: Reversal::None }
@@ -182,10 +181,8 @@ fn what_leaves_is_counted() {
 fn a_named_material_flows_in() {
     let mesh: Mesh2 = unit_mesh(10, Distortion::None);
     let velocity = uniform([1.0, 0.0, 0.0]);
-    let fluxes = FaceFluxes::new(&mesh, &velocity.field);
-    let boundary = Boundary::resolve(&mesh, &fluxes, [[None; 2]; 2], Some(0)).expect("no walls asked for");
-    let method = Reconstruction::default();
-    let mut transport = Transport::new(&mesh, velocity, fluxes, boundary, method, SweepAxes::Logical);
+    let settings = Settings { inflow: Some(0), ..Settings::default() };
+    let mut transport = Transport::new(&mesh, velocity, settings).expect("no walls asked for");
     let mut fractions = vec![vec![0.0; 100]];
     let ledger = run(&mut transport, &mut fractions, 10, 0.45).expect("steps within the limit");
     assert!((material_volume(&mesh, &fractions[0]) - 0.45).abs() <= 1e-13);
@@ -241,10 +238,9 @@ fn a_step_that_is_too_large_names_the_cell_and_changes_nothing() {
 #[test]
 fn a_wall_that_is_crossed_is_refused() {
     let mesh: Mesh2 = unit_mesh(8, Distortion::None);
-    let fluxes = FaceFluxes::new(&mesh, &Field::Uniform { velocity: Vector::<3>::new(1.0, 0.0, 0.0) });
-    let mut asked = [[None; 2]; 2];
-    asked[0][1] = Some(End::Wall);
-    let error = Boundary::resolve(&mesh, &fluxes, asked, None).expect_err("the flow crosses it");
+    let mut settings = Settings::default();
+    settings.ends[0][1] = Some(End::Wall);
+    let error = Transport::new(&mesh, uniform([1.0, 0.0, 0.0]), settings).expect_err("the flow crosses it");
     assert_eq!((error.axis, error.side), (0, 1));
     assert!((error.rate - 0.125).abs() <= 1e-12);
 }

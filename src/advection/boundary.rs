@@ -49,7 +49,7 @@ impl<const D: usize> Boundary<D> {
     ///
     /// # Errors
     /// A wall that was asked for, but is crossed.
-    pub fn resolve<C: Cell<D>>(
+    pub(super) fn resolve<C: Cell<D>>(
         mesh: &Mesh<C, D>,
         fluxes: &FaceFluxes<D>,
         asked: [[Option<End>; 2]; D],

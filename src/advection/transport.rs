@@ -3,23 +3,50 @@
 use vofkit_geometry::Cell;
 
 use super::band::Band;
-use super::boundary::Boundary;
+use super::boundary::{Boundary, End, WallCrossed};
 use super::ledger::Ledger;
 use super::motion::{Motion, NodalMotion};
 use super::sweeps::{Sweep, Sweeps};
 use crate::interface::{Reconstruction, ReconstructionError};
 use crate::mesh::Mesh;
-use crate::parallel;
 use crate::velocity::{FaceFluxes, Velocity};
 
 /// The directions of the sweeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum SweepAxes {
-    /// One Cartesian component of the displacement per sweep, over all faces: the paper's.
+    /// Along mesh lines, over two opposite faces of every cell: conservative and bounded to rounding on any mesh.
     #[default]
-    Cartesian,
-    /// Along mesh lines, over two opposite faces of every cell.
     Logical,
+    /// One Cartesian component of the displacement per sweep, over all faces: the paper's.
+    Cartesian,
+}
+
+/// How materials are transported.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings<const D: usize> {
+    /// What the ends `[lower, upper]` of each axis are; where not given, a wall if nothing crosses it, else open.
+    pub ends: [[Option<End>; 2]; D],
+    /// The material that flows in through open ends; none for void.
+    pub inflow: Option<usize>,
+    /// How the interface is reconstructed.
+    pub reconstruction: Reconstruction,
+    /// The directions of the sweeps.
+    pub axes: SweepAxes,
+    /// Whether to go on where a cell would give away more than it holds, instead of returning
+    /// [`StepError::Overdrawn`]; what cannot be given shows up in the ledger.
+    pub overdraft: bool,
+}
+
+impl<const D: usize> Default for Settings<D> {
+    fn default() -> Self {
+        Self {
+            ends: [[None; 2]; D],
+            inflow: None,
+            reconstruction: Reconstruction::default(),
+            axes: SweepAxes::default(),
+            overdraft: false,
+        }
+    }
 }
 
 /// A step that cannot be done.
@@ -58,59 +85,47 @@ pub struct Transport<'a, C, const D: usize> {
 }
 
 impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
-    /// Prepares the transport through `mesh` by `velocity`, whose face fluxes are given.
-    pub fn new(
+    /// Prepares the transport through `mesh` by `velocity`.
+    ///
+    /// # Errors
+    /// A wall that was asked for, but is crossed by the velocity.
+    pub fn new(mesh: &'a Mesh<C, D>, velocity: Velocity, settings: Settings<D>) -> Result<Self, WallCrossed> {
+        Self::with_fluxes(mesh, velocity, FaceFluxes::new(mesh, &velocity.field), settings)
+    }
+
+    /// The same with the face fluxes of `velocity.field` at hand.
+    ///
+    /// # Errors
+    /// As [`Transport::new`].
+    pub fn with_fluxes(
         mesh: &'a Mesh<C, D>,
         velocity: Velocity,
         fluxes: FaceFluxes<D>,
-        boundary: Boundary<D>,
-        reconstruction: Reconstruction,
-        axes: SweepAxes,
-    ) -> Self {
-        let cartesian = axes == SweepAxes::Cartesian && !mesh.is_undistorted();
-        Self {
+        settings: Settings<D>,
+    ) -> Result<Self, WallCrossed> {
+        let boundary = Boundary::resolve(mesh, &fluxes, settings.ends, settings.inflow)?;
+        let cartesian = settings.axes == SweepAxes::Cartesian && !mesh.is_undistorted();
+        Ok(Self {
             mesh,
             velocity,
             fluxes,
             boundary,
-            reconstruction,
+            reconstruction: settings.reconstruction,
             nodes: cartesian.then(|| NodalMotion::new(mesh, &velocity.field)),
-            overdraft: false,
+            overdraft: settings.overdraft,
             band: Band::new(mesh.grid().len()),
             sweeps: Sweeps::default(),
-        }
+        })
     }
 
-    /// Goes on where a cell would give away more than it holds, instead of returning [`StepError::Overdrawn`]; what cannot be given
-    /// shows up in the ledger.
-    pub fn allow_overdraft(&mut self) {
-        self.overdraft = true;
+    /// The fluxes through the faces.
+    pub fn fluxes(&self) -> &FaceFluxes<D> {
+        &self.fluxes
     }
 
-    /// The Courant number of a step per unit of time: the largest face flux over the volume of its donor, at full amplitude.
+    /// The Courant number of a step per unit of time: see [`FaceFluxes::courant_rate`].
     pub fn courant_rate(&self) -> f64 {
-        let unit = self.fluxes.step(1.0);
-        let rates = parallel::map(self.mesh.grid().len(), |index| {
-            let offset = self.mesh.grid().offset(index);
-            let outward = |face: usize| {
-                let flux = unit.through(offset, face / 2, face % 2);
-                if face % 2 == 1 { flux } else { -flux }
-            };
-            (0..C::FACES).map(outward).fold(0.0, f64::max) / self.mesh.volumes()[index]
-        });
-        rates.into_iter().fold(0.0, f64::max)
-    }
-
-    /// The largest sum of the fluxes out of a cell in a step of this duration, relative to its volume, without sign.
-    pub fn largest_divergence(&self, duration: f64) -> f64 {
-        let fluxes = self.fluxes.step(duration);
-        let sums = parallel::map(self.mesh.grid().len(), |index| {
-            let offset = self.mesh.grid().offset(index);
-            let net: f64 =
-                (0..D).map(|axis| fluxes.through(offset, axis, 1) - fluxes.through(offset, axis, 0)).sum();
-            net.abs() / self.mesh.volumes()[index]
-        });
-        sums.into_iter().fold(0.0, f64::max)
+        self.fluxes.courant_rate(self.mesh)
     }
 
     /// What happens at the ends of the axes.

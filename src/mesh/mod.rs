@@ -131,6 +131,14 @@ impl<C: Cell<D>, const D: usize> Mesh<C, D> {
         Self::checked(grid, lower, upper, nodes, distortion.is_none())
     }
 
+    /// The unit square or cube with this many cells along each axis, distorted.
+    ///
+    /// # Errors
+    /// As [`Mesh::new`].
+    pub fn unit(cells: [usize; D], distortion: &Distortion) -> Result<Self, MeshError> {
+        Self::new(Grid::new(cells, [false; D]), Vector::zeros(), Vector::repeat(1.0), distortion)
+    }
+
     /// A mesh on the caller's own nodes, in the order of [`Grid::node_index`].
     ///
     /// # Errors

@@ -80,6 +80,27 @@ impl<const D: usize> FaceFluxes<D> {
         Self { grid, edges, largest }
     }
 
+    /// The Courant number of a step per unit of time: the largest face flux over the volume of its donor, at full amplitude.
+    pub fn courant_rate<C: Cell<D>>(&self, mesh: &Mesh<C, D>) -> f64 {
+        let unit = self.step(1.0);
+        largest_over_cells(mesh, |offset| {
+            let outward = |face: usize| {
+                let flux = unit.through(offset, face / 2, face % 2);
+                if face % 2 == 1 { flux } else { -flux }
+            };
+            (0..C::FACES).map(outward).fold(0.0, f64::max)
+        })
+    }
+
+    /// The largest sum of the fluxes out of a cell in a step of this duration, relative to its volume, without sign.
+    pub fn largest_divergence<C: Cell<D>>(&self, mesh: &Mesh<C, D>, duration: f64) -> f64 {
+        let fluxes = self.step(duration);
+        largest_over_cells(mesh, |offset| {
+            let net = |axis: usize| fluxes.through(offset, axis, 1) - fluxes.through(offset, axis, 0);
+            (0..D).map(net).sum::<f64>().abs()
+        })
+    }
+
     /// The volumes that cross the faces while the steady field acts for `duration`.
     pub fn step(&self, duration: f64) -> StepFluxes<'_, D> {
         let exponent = (self.largest * duration.abs()).max(f64::MIN_POSITIVE).log2().ceil() as i32;
@@ -87,6 +108,15 @@ impl<const D: usize> FaceFluxes<D> {
         let rounder = 1.5 * 2.0_f64.powi(52 + exponent - FLUX_BITS);
         StepFluxes { source: self, duration, rounder }
     }
+}
+
+/// The largest volume that `amount` gives for the cell at an offset, relative to that of the cell.
+fn largest_over_cells<C: Cell<D>, const D: usize>(
+    mesh: &Mesh<C, D>,
+    amount: impl Fn([usize; D]) -> f64 + Sync + Send,
+) -> f64 {
+    let of_cell = |index: usize| amount(mesh.grid().offset(index)) / mesh.volumes()[index];
+    parallel::map(mesh.grid().len(), of_cell).into_iter().fold(0.0, f64::max)
 }
 
 impl<const D: usize> StepFluxes<'_, D> {

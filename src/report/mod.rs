@@ -1,0 +1,134 @@
+//! What a run tells about itself: the content of `summary.json`, and [`table`] for people.
+
+pub mod table;
+
+use serde::Serialize;
+
+/// The account of a whole run. Volumes are areas in two dimensions.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Summary {
+    /// The name of the scene.
+    pub scene: String,
+    /// 2 or 3.
+    pub dimension: usize,
+    /// Number of cells.
+    pub cells: usize,
+    /// Cells along each direction.
+    pub cells_per_direction: Vec<usize>,
+    /// Time steps.
+    pub steps: usize,
+    /// The end.
+    pub end_time: f64,
+    /// The time step.
+    pub dt: f64,
+    /// Threads that the work was shared among.
+    pub threads: usize,
+    /// Seconds from the start to the last file, but for this one.
+    pub wall_seconds: f64,
+    /// The Courant number of a step, at the largest amplitude of the velocity.
+    pub max_courant: f64,
+    /// The largest `|sum of the fluxes out of a cell| dt / V`.
+    pub max_divergence: f64,
+    /// The largest number of parts that a step was split into.
+    pub substeps: usize,
+    /// Mixed cells, on average over the steps.
+    pub mixed_cells_mean: f64,
+    /// Interface planes placed, each for one material in one cell in one sweep.
+    pub cells_reconstructed: usize,
+    /// Plane constants in closed form.
+    pub positions_closed_form: usize,
+    /// Plane constants by iteration.
+    pub positions_iterative: usize,
+    /// Evaluations of truncated volumes per plane constant by iteration; none without any.
+    pub evaluations_per_position: Option<f64>,
+    /// Corrections of all materials together.
+    pub corrections: Corrections,
+    /// What did not have to be done.
+    pub skipped: Skipped,
+    /// The mean gap between the facets of neighbouring cells at the end; none without facets that meet.
+    pub facet_gap_mean: Option<f64>,
+    /// The factor on the coordinates in OBJ files; none where it is 1 or nothing was written.
+    pub obj_scale: Option<f64>,
+    /// The materials.
+    pub materials: Vec<MaterialSummary>,
+    /// The files in the output folder, this one included.
+    pub files: Vec<String>,
+}
+
+/// Corrections that concern all materials.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Corrections {
+    /// The largest change of a fraction by a correction.
+    pub largest_fraction: f64,
+    /// The cell, by its index along each direction, where that was.
+    pub largest_in_cell: Vec<usize>,
+    /// Mixed cells without a normal, counted each time.
+    pub no_normal: usize,
+}
+
+/// What did not have to be done.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Skipped {
+    /// Cells, materials and sweeps without a plane.
+    pub reconstructions: Share,
+    /// Faces, materials and sweeps whose swept region was not cut.
+    pub cuts: Share,
+    /// Kinds of files that the scene did not ask for.
+    pub outputs: Vec<String>,
+    /// Output times after the end.
+    pub times_after_end: Vec<f64>,
+}
+
+/// How many of how many were skipped.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Share {
+    /// Those that were skipped.
+    pub skipped: usize,
+    /// All that there were.
+    pub of: usize,
+}
+
+impl Share {
+    /// The share of which `done` were done.
+    pub fn without(done: usize, of: usize) -> Self {
+        Self { skipped: of.saturating_sub(done), of }
+    }
+}
+
+/// The account of one material.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct MaterialSummary {
+    /// Its name.
+    pub name: String,
+    /// Its volume at the start.
+    pub volume_initial: f64,
+    /// Its volume at the end.
+    pub volume_final: f64,
+    /// What left through the boundary, less what came in.
+    pub boundary_volume: f64,
+    /// `(final - initial + boundary) / initial`; none if there was nothing.
+    pub volume_drift: Option<f64>,
+    /// The smallest fraction over the run, before correction.
+    pub fraction_min: f64,
+    /// The largest fraction over the run, before correction.
+    pub fraction_max: f64,
+    /// `sum |f - f_exact| V` against the exact final shape; none where that is not known.
+    pub shape_error: Option<f64>,
+    /// The same over the initial volume.
+    pub shape_error_relative: Option<f64>,
+    /// Connected pieces at the end.
+    pub fragments: usize,
+    /// The part of the volume outside the largest piece.
+    pub stray_volume: f64,
+    /// Corrections over the run.
+    pub corrections: MaterialCorrections,
+}
+
+/// Corrections of one material over a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct MaterialCorrections {
+    /// Volume moved by setting fractions below 0 to 0 and above 1 to 1, added up without sign.
+    pub clipped: f64,
+    /// Volume taken where the fractions of a cell added up to more than 1.
+    pub rescaled: f64,
+}

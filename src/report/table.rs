@@ -1,0 +1,76 @@
+//! The summary of a run as a short table for a terminal.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use super::{MaterialSummary, Summary};
+
+/// The summary in a few aligned lines.
+pub fn summary(summary: &Summary, folder: &Path) -> String {
+    let cells = summary.cells_per_direction.iter().map(usize::to_string).collect::<Vec<_>>().join(" x ");
+    let positions = summary.positions_closed_form + summary.positions_iterative;
+    let substeps = match summary.substeps {
+        0 | 1 => String::new(),
+        parts => format!(", in up to {parts} substeps"),
+    };
+    let rows = [
+        ("scene", format!("{} ({cells} cells)", summary.scene)),
+        ("time", format!("{:.6} in {} steps of {:.6e}", summary.end_time, summary.steps, summary.dt)),
+        ("Courant number", format!("{:.4}{substeps}", summary.max_courant)),
+        ("divergence", format!("{:.1e}", summary.max_divergence)),
+        ("mixed cells", format!("{:.1} on average", summary.mixed_cells_mean)),
+        (
+            "reconstructed",
+            format!("{} of {}", summary.cells_reconstructed, summary.skipped.reconstructions.of),
+        ),
+        ("closed form", format!("{} of {positions} plane constants", summary.positions_closed_form)),
+        ("corrections", format!("{:.1e} of a cell at most", summary.corrections.largest_fraction)),
+        ("wall time", format!("{:.2} s with {} threads", summary.wall_seconds, summary.threads)),
+    ];
+    let mut text = lines(&rows);
+    let header = ["material", "volume", "drift", "error", "relative", "f min", "1 - f max", "pieces"];
+    let rows = summary.materials.iter().map(|m| row(m).to_vec());
+    let table: Vec<Vec<String>> = std::iter::once(header.map(str::to_owned).to_vec()).chain(rows).collect();
+    text.push('\n');
+    text.push_str(&columns(&table));
+    let _ = writeln!(text, "\n{} files in {}", summary.files.len(), folder.display());
+    text
+}
+
+fn row(material: &MaterialSummary) -> [String; 8] {
+    let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3e}"));
+    [
+        material.name.clone(),
+        format!("{:.6e}", material.volume_final),
+        number(material.volume_drift),
+        number(material.shape_error),
+        number(material.shape_error_relative),
+        format!("{:.1e}", material.fraction_min),
+        format!("{:.1e}", 1.0 - material.fraction_max),
+        material.fragments.to_string(),
+    ]
+}
+
+/// Names and values in two columns.
+pub fn lines(rows: &[(&str, String)]) -> String {
+    let width = rows.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+    rows.iter().map(|(name, value)| format!("{name:<width$}  {value}\n")).collect()
+}
+
+/// Columns, the first one aligned to the left and the others to the right.
+fn columns(table: &[Vec<String>]) -> String {
+    let count = table.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |k: usize| {
+        table.iter().filter_map(|row| row.get(k)).map(|cell| cell.chars().count()).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..count).map(width).collect();
+    let mut text = String::new();
+    for row in table {
+        let cells = row.iter().zip(&widths).enumerate().map(|(k, (cell, &width))| {
+            if k == 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+        });
+        text.push_str(cells.collect::<Vec<_>>().join("  ").trim_end());
+        text.push('\n');
+    }
+    text
+}

@@ -1,0 +1,70 @@
+//! Why a run failed.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use miette::{Diagnostic, LabeledSpan, SourceCode};
+
+use crate::advection::StepError;
+use crate::export::ExportError;
+use crate::interface::ReconstructionError;
+use crate::scene::SceneError;
+
+/// Why a run failed.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The scene cannot be run.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The output folder cannot be used.
+    #[error("the output folder {} {problem}", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+        /// What would be right.
+        help: String,
+    },
+    /// A file was not written.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    /// A step that cannot be done.
+    #[error("step {step} of {steps}, from time {time}, failed: {error}")]
+    Step {
+        /// The step, counted from 1.
+        step: usize,
+        /// All steps.
+        steps: usize,
+        /// The time at which it starts.
+        time: f64,
+        /// Its Courant number at the largest amplitude.
+        courant: f64,
+        /// What went wrong.
+        error: StepError,
+    },
+    /// An interface that was not found, for output.
+    #[error(transparent)]
+    Reconstruction(#[from] ReconstructionError),
+}
+
+impl Diagnostic for RunError {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        match self {
+            Self::Scene(error) => error.help(),
+            Self::Folder { help, .. } => Some(Box::new(help)),
+            Self::Step { courant, error: StepError::Overdrawn { .. }, .. } => Some(Box::new(format!(
+                "lower advection.courant, now {courant:.4}, or set advection.substeps = \"auto\""
+            ))),
+            _ => None,
+        }
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        if let Self::Scene(error) = self { error.source_code() } else { None }
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        if let Self::Scene(error) = self { error.labels() } else { None }
+    }
+}

@@ -1,0 +1,97 @@
+//! The exact final state, where the velocity moves everything rigidly.
+
+use vofkit_geometry::{Cell, Vector};
+
+use crate::fractions::volume_fractions;
+use crate::mesh::Mesh;
+use crate::scene::{Resolved, ReversalSetup};
+use crate::shape::{Rotation, Shape};
+use crate::velocity::{RigidMotion, Velocity};
+
+/// Overlap of the box of a shape with that of the domain that is rounding, relative to the domain.
+const TOUCHING: f64 = 1e-12;
+
+/// The exact fractions at time `end`; none where they are not known: the shapes deform, or something crossed the
+/// boundary that a rigid motion would bring back.
+pub(super) fn fractions<C: Cell<D>, const D: usize>(
+    scene: &Resolved<D>,
+    mesh: &Mesh<C, D>,
+    velocity: &Velocity,
+    end: f64,
+    crossed: bool,
+) -> Option<Vec<Vec<f64>>> {
+    let motion = velocity.rigid_motion(0.0, end)?;
+    let stays = scene.reversal == ReversalSetup::None && scene.boundary.inflow.is_none();
+    let is_translation = matches!(motion, RigidMotion::Translation { .. });
+    if crossed && !(is_translation && stays) {
+        return None;
+    }
+    let shapes: Option<Vec<Shape<D>>> = scene
+        .materials
+        .iter()
+        .map(|material| match motion {
+            RigidMotion::Identity => Some(material.shape.clone()),
+            RigidMotion::Translation { shift } => {
+                Some(translated(&inside(&material.shape, mesh), &planar(&shift), mesh))
+            }
+            RigidMotion::Rotation { centre, axis, angle } => {
+                // What was cut off at the start is not there to be turned in.
+                let rotation = Rotation::from_axis_angle(axis, angle);
+                let whole = is_inside(&material.shape, mesh);
+                whole.then(|| material.shape.moved(&rotation, &planar(&centre), &Vector::zeros()))
+            }
+        })
+        .collect();
+    Some(volume_fractions(mesh, &shapes?))
+}
+
+fn planar<const D: usize>(x: &Vector<3>) -> Vector<D> {
+    Vector::from_fn(|k, _| x[k])
+}
+
+fn is_inside<C: Cell<D>, const D: usize>(shape: &Shape<D>, mesh: &Mesh<C, D>) -> bool {
+    let [lower, upper] = mesh.bounds();
+    shape.bounding_box().is_some_and(|[a, b]| (0..D).all(|k| a[k] >= lower[k] && b[k] <= upper[k]))
+}
+
+/// The part of a shape in the domain.
+fn inside<C: Cell<D>, const D: usize>(shape: &Shape<D>, mesh: &Mesh<C, D>) -> Shape<D> {
+    if is_inside(shape, mesh) {
+        return shape.clone();
+    }
+    let [lower, upper] = mesh.bounds();
+    let domain =
+        Shape::Box { centre: (lower + upper) * 0.5, lengths: upper - lower, rotation: Rotation::identity() };
+    Shape::Intersection(vec![shape.clone(), domain])
+}
+
+/// The shifted shape; along periodic axes with all its images that reach into the domain.
+fn translated<C: Cell<D>, const D: usize>(
+    shape: &Shape<D>,
+    shift: &Vector<D>,
+    mesh: &Mesh<C, D>,
+) -> Shape<D> {
+    let moved = |shift: &Vector<D>| shape.moved(&Rotation::identity(), &Vector::zeros(), shift);
+    let Some([a, b]) = shape.bounding_box() else { return moved(shift) };
+    let [lower, upper] = mesh.bounds();
+    let mut shifts = vec![*shift];
+    for axis in (0..D).filter(|&axis| mesh.grid().periodic()[axis]) {
+        let length = upper[axis] - lower[axis];
+        let first = ((lower[axis] - b[axis] - shift[axis]) / length + TOUCHING).ceil() as i64;
+        let last = ((upper[axis] - a[axis] - shift[axis]) / length - TOUCHING).floor() as i64;
+        shifts = shifts
+            .iter()
+            .flat_map(|shift| {
+                (first..=last).map(move |times| {
+                    let mut image = *shift;
+                    image[axis] += times as f64 * length;
+                    image
+                })
+            })
+            .collect();
+    }
+    match shifts.as_slice() {
+        [only] => moved(only),
+        all => Shape::Union(all.iter().map(moved).collect()),
+    }
+}

@@ -1,0 +1,230 @@
+//! Runs a scene: everything between a [`Resolved`] scene and the files in the output folder.
+//!
+//! - [`prepare`]: mesh, fractions and transport, with the last errors of the scene; [`plan`]: the time steps;
+//! - `folder`, `history`, `output`, `series`: what is written; [`draw`]: pictures, of the meshes that have them;
+//! - `exact`: the exact final state, where it is known; `tally`: running totals;
+//! - [`progress`]: who is told how far it is.
+
+pub mod draw;
+mod error;
+mod exact;
+mod folder;
+mod history;
+pub mod output;
+pub mod plan;
+pub mod prepare;
+pub mod progress;
+#[cfg(feature = "vtk")]
+mod series;
+mod tally;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+pub use draw::Draw;
+pub use error::RunError;
+pub use output::Schedule;
+pub use plan::Plan;
+pub use prepare::Setup;
+pub use progress::{Progress, Silent};
+
+use folder::{Folder, SUMMARY};
+use history::{HISTORY, History};
+use output::Output;
+use tally::Tally;
+pub(crate) use tally::{mixed_cells, not_asked_for};
+
+use crate::advection::{Ledger, StepError};
+use crate::export::write_file;
+use crate::facet::Facet;
+use crate::interface::reconstruct;
+use crate::mesh::Mesh;
+use crate::metrics::facet_gap_mean;
+use crate::report::Summary;
+use crate::scene::{Resolved, Substeps};
+
+/// With [`Substeps::Auto`] a step is split further while a cell gives too much, but not into more parts than this.
+const MOST_SUBSTEPS: usize = 1024;
+
+/// What a scene does not say.
+#[derive(Clone, Debug)]
+pub struct RunOptions {
+    /// The output folder.
+    pub folder: PathBuf,
+    /// Whether the folder may exist; the results in it are then replaced.
+    pub force: bool,
+    /// The number of threads, for the summary.
+    pub threads: usize,
+}
+
+/// Runs a scene and writes what it asks for.
+///
+/// Scene and folder are checked before anything is written, and files are complete or absent. A run that fails before its first
+/// step leaves nothing behind; one that fails later leaves the files that it finished.
+///
+/// # Errors
+/// See [`RunError`].
+pub fn run<C: Draw<D>, const D: usize>(
+    scene: &Resolved<D>,
+    options: &RunOptions,
+    progress: &mut dyn Progress,
+) -> Result<Summary, RunError> {
+    let done = prepared::<C, D>(scene, options, progress);
+    progress.end();
+    done
+}
+
+fn prepared<C: Draw<D>, const D: usize>(
+    scene: &Resolved<D>,
+    options: &RunOptions,
+    progress: &mut dyn Progress,
+) -> Result<Summary, RunError> {
+    let clock = Instant::now();
+    Folder::check(&options.folder, options.force)?;
+    progress.stage("mesh");
+    let mesh: Mesh<C, D> = prepare::mesh(scene)?;
+    progress.stage("fractions");
+    let fractions = prepare::fractions(scene, &mesh)?;
+    progress.stage("fluxes");
+    let setup = prepare::setup(scene, &mesh)?;
+    let folder = Folder::open(&options.folder, options.force)?;
+    let run = Run { scene, mesh: &mesh, setup, folder: folder.path(), threads: options.threads, clock };
+    let done = run.go(fractions, progress);
+    if done.is_err() {
+        folder.remove_if_empty();
+    }
+    done
+}
+
+/// A run whose folder is there.
+struct Run<'a, C, const D: usize> {
+    scene: &'a Resolved<D>,
+    mesh: &'a Mesh<C, D>,
+    setup: Setup<'a, C, D>,
+    folder: &'a Path,
+    threads: usize,
+    clock: Instant,
+}
+
+impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
+    fn go(mut self, mut fractions: Vec<Vec<f64>>, progress: &mut dyn Progress) -> Result<Summary, RunError> {
+        let (scene, mesh, plan) = (self.scene, self.mesh, self.setup.plan);
+        let schedule = Schedule::new(&scene.output, &plan);
+        let mut tally = Tally::new(mesh, &fractions);
+        let mut history = match scene.output.history {
+            true => Some(History::create(self.folder, &scene.material_names(), &tally.first_line())?),
+            false => None,
+        };
+        let mut output = Output::new(scene, mesh, self.setup.velocity, self.folder.to_owned());
+        if let Err(error) = self.write(&mut output, &schedule, 0, &fractions) {
+            output.discard();
+            return Err(error);
+        }
+
+        progress.begin(plan.steps);
+        let rate = plan.courant / plan.dt();
+        let mut substeps = plan.substeps;
+        for step in 0..plan.steps {
+            let [start, end] = [step, step + 1].map(|step| plan.time(step));
+            let ledger = match self.step(&mut fractions, step, [start, end], &mut substeps) {
+                Ok(ledger) => ledger,
+                Err(error) => {
+                    // The steps before this one may tell why.
+                    history.map(History::finish).transpose()?;
+                    return Err(error);
+                }
+            };
+            tally.add(&fractions, &ledger, substeps);
+            if let Some(history) = &mut history {
+                let courant = rate * self.setup.velocity.duration(start, end).abs();
+                history.add(&tally.line(mesh, &fractions, &ledger, [start, end], courant))?;
+            }
+            progress.step(step + 1, end, tally.mixed_cells());
+            if step + 1 < plan.steps {
+                self.write(&mut output, &schedule, step + 1, &fractions)?;
+            }
+        }
+        progress.stage("summary");
+        let facets = self.write(&mut output, &schedule, plan.steps, &fractions)?;
+        if let Some(history) = history {
+            history.finish()?;
+            output.files.push(HISTORY.to_owned());
+        }
+        output.files.push(SUMMARY.to_owned());
+        let exact = exact::fractions(scene, mesh, &self.setup.velocity, plan.end, tally.crossed());
+        let mut summary = tally.summary(scene, &self.setup, mesh, &fractions, exact.as_deref());
+        summary.facet_gap_mean = facet_gap_mean(mesh, &facets);
+        summary.skipped.times_after_end = schedule.after_end;
+        summary.obj_scale = output.obj_scale;
+        summary.threads = self.threads;
+        summary.files = output.files;
+        summary.wall_seconds = self.clock.elapsed().as_secs_f64();
+        write_file(self.folder.join(SUMMARY), |writer| {
+            serde_json::to_writer_pretty(&mut *writer, &summary)?;
+            writeln!(writer)
+        })?;
+        Ok(summary)
+    }
+
+    /// One step, in as many parts as it takes: with [`Substeps::Auto`] the rest of it is split again where a cell would give
+    /// more than it holds. A part that fails leaves the fractions as they were.
+    fn step(
+        &mut self,
+        fractions: &mut [Vec<f64>],
+        step: usize,
+        [start, end]: [f64; 2],
+        substeps: &mut usize,
+    ) -> Result<Ledger, RunError> {
+        let splits = self.scene.advection.substeps == Substeps::Auto;
+        let mut ledger = Ledger::new(fractions.len());
+        let mut part = 0;
+        while part < *substeps {
+            let count = *substeps;
+            let time = |part: usize| {
+                if part == count { end } else { start + (end - start) * (part as f64 / count as f64) }
+            };
+            match self.setup.transport.step(fractions, step * count + part, time(part), time(part + 1)) {
+                Ok(of_part) => {
+                    ledger.add(&of_part);
+                    part += 1;
+                }
+                Err(StepError::Overdrawn { .. }) if splits && count < MOST_SUBSTEPS => {
+                    *substeps *= 2;
+                    part *= 2;
+                }
+                Err(error) => {
+                    let Plan { steps, courant, .. } = self.setup.plan;
+                    return Err(RunError::Step { step: step + 1, steps, time: start, courant, error });
+                }
+            }
+        }
+        Ok(ledger)
+    }
+
+    /// Writes what is asked for after a number of steps; returns the facets, which are always there at the end.
+    fn write(
+        &self,
+        output: &mut Output<'_, C, D>,
+        schedule: &Schedule,
+        step: usize,
+        fractions: &[Vec<f64>],
+    ) -> Result<Vec<Facet<D>>, RunError> {
+        let last = step == self.setup.plan.steps;
+        let time = self.setup.plan.time(step);
+        let state = schedule.includes(step);
+        let picture = self.scene.output.picture && (step == 0 || last);
+        let facets = if last || picture || state && output.needs_facets() {
+            reconstruct(self.mesh, fractions, self.scene.reconstruction)?.facets
+        } else {
+            Vec::new()
+        };
+        if state {
+            output.state(time, fractions, &facets)?;
+        }
+        if picture {
+            output.picture(if last { output::LAST } else { output::FIRST }, time, fractions, &facets)?;
+        }
+        Ok(facets)
+    }
+}

@@ -1,0 +1,186 @@
+//! Interfaces, fields and pictures of a run, as far as the scene asks for them.
+
+use std::path::PathBuf;
+
+use super::draw::{Draw, View};
+use super::folder::SUMMARY;
+use super::history::HISTORY;
+use super::plan::Plan;
+#[cfg(feature = "vtk")]
+use super::series::Series;
+use crate::export::ExportError;
+use crate::facet::Facet;
+use crate::mesh::Mesh;
+use crate::scene::{OutputSetup, Resolved};
+use crate::velocity::Velocity;
+
+/// The pictures of a run.
+pub(super) const FIRST: &str = "first";
+pub(super) const LAST: &str = "last";
+
+/// After which steps something is written, and which times are never reached.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Schedule {
+    steps: Vec<usize>,
+    /// Times after the end.
+    pub after_end: Vec<f64>,
+}
+
+impl Schedule {
+    /// Each time becomes the step that ends at it, else the first one after it.
+    pub(crate) fn new(output: &OutputSetup, plan: &Plan) -> Self {
+        let times = output.times.clone().unwrap_or_else(|| vec![0.0, plan.end]);
+        let (reached, after_end): (Vec<f64>, Vec<f64>) =
+            times.iter().partition(|time| plan.step_at(**time).is_some());
+        let mut steps: Vec<usize> = reached.iter().filter_map(|&time| plan.step_at(time)).collect();
+        steps.sort_unstable();
+        steps.dedup();
+        Self { steps, after_end }
+    }
+
+    /// Whether something is written after a number of steps.
+    pub(crate) fn includes(&self, step: usize) -> bool {
+        self.steps.binary_search(&step).is_ok()
+    }
+
+    /// The steps after which something is written.
+    pub fn steps(&self) -> &[usize] {
+        &self.steps
+    }
+}
+
+/// The names of the files that a run of the scene writes, its summary included.
+pub fn names<const D: usize>(scene: &Resolved<D>, schedule: &Schedule) -> Vec<String> {
+    let output = &scene.output;
+    let mut names = Vec::new();
+    for number in 0..schedule.steps().len() {
+        let of_state = [
+            (output.obj, "interface", "obj"),
+            (output.fields, "fields", "vts"),
+            (output.vtk, "interface", "vtp"),
+        ];
+        let asked = of_state.iter().filter(|(asked, ..)| *asked);
+        names.extend(asked.map(|(_, stem, extension)| state_file(stem, number, extension)));
+    }
+    if !schedule.steps().is_empty() && (output.fields || output.vtk) {
+        names.push(series_file(&scene.name));
+    }
+    if output.picture {
+        names.extend([FIRST, LAST].map(picture_file));
+    }
+    if output.history {
+        names.push(HISTORY.to_owned());
+    }
+    names.push(SUMMARY.to_owned());
+    names
+}
+
+pub(super) fn state_file(stem: &str, number: usize, extension: &str) -> String {
+    format!("{stem}_{number:04}.{extension}")
+}
+
+pub(super) fn series_file(scene: &str) -> String {
+    format!("{scene}.pvd")
+}
+
+fn picture_file(when: &str) -> String {
+    format!("picture_{when}.svg")
+}
+
+/// Writes the state of a run.
+pub(super) struct Output<'a, C, const D: usize> {
+    scene: &'a Resolved<D>,
+    mesh: &'a Mesh<C, D>,
+    names: Vec<String>,
+    folder: PathBuf,
+    #[cfg(feature = "vtk")]
+    series: Series<'a, C, D>,
+    written: usize,
+    /// The names of the files.
+    pub(super) files: Vec<String>,
+    /// The factor on the coordinates in OBJ files.
+    pub(super) obj_scale: Option<f64>,
+}
+
+impl<'a, C: Draw<D>, const D: usize> Output<'a, C, D> {
+    #[cfg_attr(not(feature = "vtk"), expect(unused_variables, reason = "only fields show the velocity"))]
+    pub(super) fn new(
+        scene: &'a Resolved<D>,
+        mesh: &'a Mesh<C, D>,
+        velocity: Velocity,
+        folder: PathBuf,
+    ) -> Self {
+        Self {
+            scene,
+            mesh,
+            names: scene.material_names(),
+            #[cfg(feature = "vtk")]
+            series: Series::new(scene, mesh, velocity, &folder),
+            folder,
+            written: 0,
+            files: Vec::new(),
+            obj_scale: None,
+        }
+    }
+
+    /// Whether facets are written with the state.
+    pub(super) fn needs_facets(&self) -> bool {
+        self.scene.output.obj || self.scene.output.vtk
+    }
+
+    /// The state at one of the times asked for.
+    pub(super) fn state(
+        &mut self,
+        time: f64,
+        fractions: &[Vec<f64>],
+        facets: &[Facet<D>],
+    ) -> Result<(), ExportError> {
+        let number = self.written;
+        self.written += 1;
+        #[cfg(feature = "obj")]
+        if self.scene.output.obj {
+            let smallest = self.mesh.volumes().iter().fold(f64::INFINITY, |a, &b| a.min(b));
+            let size = smallest.powf(1.0 / D as f64);
+            let name = state_file("interface", number, "obj");
+            let path = self.folder.join(&name);
+            let scale = crate::export::obj::write_obj(path, &self.names, facets, size)?;
+            self.obj_scale = Some(scale).filter(|&scale| scale != 1.0);
+            self.files.push(name);
+        }
+        #[cfg(feature = "vtk")]
+        self.series.add(number, time, fractions, facets, &mut self.files)?;
+        #[cfg(not(all(feature = "obj", feature = "vtk")))]
+        let _ = (number, time, fractions, facets);
+        Ok(())
+    }
+
+    /// Removes what was written.
+    pub(super) fn discard(&mut self) {
+        for name in self.files.drain(..) {
+            // Whatever made the run fail is reported.
+            let _ = std::fs::remove_file(self.folder.join(name));
+        }
+    }
+
+    /// A picture with `when` in its name.
+    pub(super) fn picture(
+        &mut self,
+        when: &str,
+        time: f64,
+        fractions: &[Vec<f64>],
+        facets: &[Facet<D>],
+    ) -> Result<(), ExportError> {
+        let name = picture_file(when);
+        let title = format!("{}, t = {}", self.scene.name, rounded(time));
+        let view = View { mesh: self.mesh, names: &self.names, fractions, facets, title: &title };
+        if C::draw(&self.folder.join(&name), &view)? {
+            self.files.push(name);
+        }
+        Ok(())
+    }
+}
+
+/// A time with no more digits than people read.
+fn rounded(time: f64) -> f64 {
+    format!("{time:.6}").parse().unwrap_or(time)
+}

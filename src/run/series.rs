@@ -1,0 +1,83 @@
+//! Fields and interfaces for ParaView, tied together by their times.
+
+use std::path::{Path, PathBuf};
+
+use vofkit_geometry::{Cell, Vector};
+
+use super::output::{series_file, state_file};
+use super::prepare::spatial;
+use crate::export::ExportError;
+use crate::export::vtk::{CellArray, Collection, fraction_arrays, write_poly_data, write_structured_grid};
+use crate::facet::Facet;
+use crate::mesh::Mesh;
+use crate::parallel;
+use crate::scene::Resolved;
+use crate::velocity::Velocity;
+
+/// The VTK files of a run.
+pub(super) struct Series<'a, C, const D: usize> {
+    scene: &'a Resolved<D>,
+    mesh: &'a Mesh<C, D>,
+    velocity: Velocity,
+    folder: PathBuf,
+    collection: Collection,
+    names: Vec<String>,
+}
+
+impl<'a, C: Cell<D>, const D: usize> Series<'a, C, D> {
+    pub(super) fn new(
+        scene: &'a Resolved<D>,
+        mesh: &'a Mesh<C, D>,
+        velocity: Velocity,
+        folder: &Path,
+    ) -> Self {
+        let collection = Collection::new(folder.join(series_file(&scene.name)));
+        Self { scene, mesh, velocity, folder: folder.to_owned(), collection, names: scene.material_names() }
+    }
+
+    /// Writes the state number `number`, as far as the scene asks for it, and adds the names of the files.
+    pub(super) fn add(
+        &mut self,
+        number: usize,
+        time: f64,
+        fractions: &[Vec<f64>],
+        facets: &[Facet<D>],
+        files: &mut Vec<String>,
+    ) -> Result<(), ExportError> {
+        let mut parts = Vec::new();
+        if self.scene.output.fields {
+            let velocities = self.cell_velocities(time);
+            let mut arrays = fraction_arrays(&self.names, fractions);
+            arrays.push(CellArray::vector("U", &velocities));
+            let name = state_file("fields", number, "vts");
+            write_structured_grid(self.folder.join(&name), self.mesh, &arrays)?;
+            files.push(name.clone());
+            parts.push(("fields", self.folder.join(name)));
+        }
+        if self.scene.output.vtk {
+            let name = state_file("interface", number, "vtp");
+            write_poly_data(self.folder.join(&name), facets)?;
+            files.push(name.clone());
+            parts.push(("interface", self.folder.join(name)));
+        }
+        if parts.is_empty() {
+            return Ok(());
+        }
+        let parts: Vec<_> = parts.iter().map(|(group, path)| (*group, path.as_path())).collect();
+        self.collection.add(time, &parts)?;
+        if number == 0 {
+            files.push(series_file(&self.scene.name));
+        }
+        Ok(())
+    }
+
+    /// Velocities in the middle of all cells at one time.
+    fn cell_velocities(&self, time: f64) -> Vec<Vector<D>> {
+        let amplitude = self.velocity.amplitude(time);
+        parallel::map(self.mesh.grid().len(), |index| {
+            let middle = self.mesh.cell(index).map(&Vector::repeat(0.5));
+            let velocity = self.velocity.field.velocity(&spatial(&middle)) * amplitude;
+            Vector::from_fn(|k, _| velocity[k])
+        })
+    }
+}

@@ -1,0 +1,199 @@
+//! `[reconstruction]` and `[advection]`: methods and time steps.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+use toml::Spanned;
+use vofkit_geometry::PositionMethod;
+
+use super::context::{Context, default};
+use super::error::SceneError;
+use crate::advection::SweepAxes;
+use crate::interface::Reconstruction;
+use crate::normal::NormalMethod;
+
+/// The Courant number of scenes that give none.
+const DEFAULT_COURANT: f64 = 0.5;
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default, expecting = "a table with normal, position")]
+pub(super) struct ReconstructionSection {
+    normal: Spanned<String>,
+    position: Spanned<String>,
+}
+
+impl Default for ReconstructionSection {
+    fn default() -> Self {
+        Self { normal: default("youngs".to_owned()), position: default("auto".to_owned()) }
+    }
+}
+
+impl ReconstructionSection {
+    pub(super) fn resolve(&self, context: Context<'_>) -> Result<Reconstruction, SceneError> {
+        let normals = [("youngs", NormalMethod::Youngs), ("youngs_logical", NormalMethod::YoungsLogical)];
+        let later = ["least_squares", "lvira", "elvira", "swartz", "slic", "mof", "myc"];
+        let positions = [
+            ("auto", PositionMethod::Auto),
+            ("newton", PositionMethod::Newton),
+            ("brent", PositionMethod::Brent),
+        ];
+        Ok(Reconstruction {
+            normal: context.word("the normal method", &self.normal, &normals, &later)?,
+            position: context.word("the position method", &self.position, &positions, &[])?,
+        })
+    }
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(
+    deny_unknown_fields,
+    default,
+    expecting = "a table with mode, scheme, sweep_axes, substeps, courant, end_time, steps"
+)]
+pub(super) struct AdvectionSection {
+    mode: Spanned<String>,
+    scheme: Spanned<String>,
+    sweep_axes: Spanned<String>,
+    substeps: Spanned<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    courant: Option<Spanned<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    end_time: Option<Spanned<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    steps: Option<Spanned<i64>>,
+    /// Where the section is.
+    #[serde(skip)]
+    pub(super) place: Range<usize>,
+}
+
+impl Default for AdvectionSection {
+    fn default() -> Self {
+        let word = |text: &str| default(text.to_owned());
+        Self {
+            mode: word("flow"),
+            scheme: word("sweeps"),
+            sweep_axes: word("logical"),
+            substeps: word("error"),
+            courant: None,
+            end_time: None,
+            steps: None,
+            place: 0..0,
+        }
+    }
+}
+
+/// What happens above the Courant number that the scheme can do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Substeps {
+    /// The run is refused.
+    Error,
+    /// Each step is split.
+    Auto,
+    /// The run goes on, and the ledger shows what it cost.
+    Off,
+}
+
+/// The two numbers that fix the time steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stepping {
+    /// The fewest equal steps that keep the Courant number and end at `end_time`.
+    CourantToTime {
+        /// The largest Courant number.
+        courant: f64,
+        /// The end.
+        end_time: f64,
+    },
+    /// A number of steps with this Courant number.
+    CourantForSteps {
+        /// The Courant number.
+        courant: f64,
+        /// Steps.
+        steps: u64,
+    },
+    /// A number of equal steps that end at `end_time`.
+    StepsToTime {
+        /// Steps.
+        steps: u64,
+        /// The end.
+        end_time: f64,
+    },
+}
+
+/// How the materials are moved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AdvectionSetup {
+    /// The directions of the sweeps.
+    pub sweep_axes: SweepAxes,
+    /// What happens above the limit of the scheme.
+    pub substeps: Substeps,
+    /// The time steps.
+    pub stepping: Stepping,
+}
+
+impl AdvectionSection {
+    pub(super) fn resolve(&mut self, context: Context<'_>) -> Result<AdvectionSetup, SceneError> {
+        context.word("the mode", &self.mode, &[("flow", ())], &["remesh"])?;
+        let later = ["isotropic", "weymouth_yue", "unsplit", "remap"];
+        context.word("the scheme", &self.scheme, &[("sweeps", ())], &later)?;
+        let axes = [("logical", SweepAxes::Logical), ("cartesian", SweepAxes::Cartesian)];
+        let substeps = [("error", Substeps::Error), ("auto", Substeps::Auto), ("off", Substeps::Off)];
+        Ok(AdvectionSetup {
+            sweep_axes: context.word("sweep_axes", &self.sweep_axes, &axes, &[])?,
+            substeps: context.word("substeps", &self.substeps, &substeps, &[])?,
+            stepping: self.stepping(context)?,
+        })
+    }
+
+    fn stepping(&mut self, context: Context<'_>) -> Result<Stepping, SceneError> {
+        let steps = match &self.steps {
+            None => None,
+            Some(steps) => {
+                Some(u64::try_from(*steps.get_ref()).ok().filter(|&n| n > 0).ok_or_else(|| {
+                    context.error(
+                        steps.span(),
+                        format!("advection.steps is {}", steps.get_ref()),
+                        "give a whole number of at least 1",
+                    )
+                })?)
+            }
+        };
+        let number = |what, value: &Option<Spanned<f64>>| {
+            value.as_ref().map(|value| context.positive(what, value)).transpose()
+        };
+        let end_time = number("advection.end_time", &self.end_time)?;
+        let courant = number("advection.courant", &self.courant)?;
+        match (courant, end_time, steps) {
+            (None, Some(end_time), Some(steps)) => Ok(Stepping::StepsToTime { steps, end_time }),
+            (Some(_), Some(_), Some(_)) => Err(context.error(
+                self.steps_place(),
+                "courant, end_time and steps are all given; two of them already fix the time step",
+                "leave out one of advection.courant, advection.end_time and advection.steps",
+            )),
+            (_, None, None) => Err(context.error(
+                self.steps_place(),
+                "there is neither advection.end_time nor advection.steps",
+                "say when the run ends: two of courant, end_time and steps fix the time step, and courant is \
+                 0.5 unless it is given",
+            )),
+            (courant, end_time, steps) => {
+                let courant =
+                    courant.unwrap_or_else(|| *self.courant.insert(default(DEFAULT_COURANT)).get_ref());
+                Ok(match (end_time, steps) {
+                    (Some(end_time), _) => Stepping::CourantToTime { courant, end_time },
+                    (None, steps) => Stepping::CourantForSteps { courant, steps: steps.unwrap_or(1) },
+                })
+            }
+        }
+    }
+
+    /// The place of what fixes the size of a step: the Courant number if it is given.
+    pub(super) fn courant_place(&self) -> Range<usize> {
+        self.courant.as_ref().map_or_else(|| self.steps_place(), Spanned::span)
+    }
+
+    /// The place of the number of steps, or of the end.
+    pub(super) fn steps_place(&self) -> Range<usize> {
+        let steps = self.steps.as_ref().map(Spanned::span);
+        steps.or_else(|| self.end_time.as_ref().map(Spanned::span)).unwrap_or(self.place.clone())
+    }
+}

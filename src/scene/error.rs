@@ -1,0 +1,110 @@
+//! What is wrong with a scene, with the place in the file.
+
+use std::fmt;
+use std::ops::Range;
+use std::sync::Arc;
+
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+
+/// A scene that cannot be run: what is wrong, where, and what would be right.
+#[derive(Clone, Debug)]
+pub struct SceneError(Box<Inner>);
+
+#[derive(Clone, Debug)]
+struct Inner {
+    message: String,
+    details: Vec<String>,
+    help: String,
+    place: Option<(Source, Range<usize>)>,
+}
+
+/// The text of a scene and the name of its file.
+#[derive(Clone, Debug)]
+pub struct Source {
+    code: Arc<NamedSource<String>>,
+}
+
+impl Source {
+    /// The text of the file with this name.
+    pub fn new(name: impl AsRef<str>, text: impl Into<String>) -> Self {
+        Self { code: Arc::new(NamedSource::new(name, text.into()).with_language("toml")) }
+    }
+
+    /// The whole text.
+    pub fn text(&self) -> &str {
+        self.code.inner()
+    }
+
+    /// An error at a range of bytes of the text.
+    pub fn error(
+        &self,
+        place: Range<usize>,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> SceneError {
+        let place = Some((self.clone(), place));
+        let [message, help] = [message.into(), help.into()];
+        SceneError(Box::new(Inner { message, details: Vec::new(), help, place }))
+    }
+}
+
+impl SceneError {
+    /// An error of the whole file, before there is a text to point at.
+    pub(super) fn of_file(message: impl Into<String>, help: impl Into<String>) -> Self {
+        let [message, help] = [message.into(), help.into()];
+        Self(Box::new(Inner { message, details: Vec::new(), help, place: None }))
+    }
+
+    /// The error with a list of everything that it is about.
+    #[must_use]
+    pub(crate) fn with_details(mut self, details: Vec<String>) -> Self {
+        self.0.details = details;
+        self
+    }
+
+    /// What is wrong.
+    pub fn message(&self) -> &str {
+        &self.0.message
+    }
+
+    /// What would be right.
+    pub fn advice(&self) -> &str {
+        &self.0.help
+    }
+
+    /// Everything that the error is about, such as each unusable cell of the mesh; empty where the message says it all.
+    pub fn details(&self) -> &[String] {
+        &self.0.details
+    }
+
+    /// The line of the file, counted from 1.
+    pub fn line(&self) -> Option<usize> {
+        let (source, place) = self.0.place.as_ref()?;
+        let before = source.text().get(..place.start)?;
+        Some(before.matches('\n').count() + 1)
+    }
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0.message)
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+impl Diagnostic for SceneError {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        (!self.0.help.is_empty()).then(|| Box::new(&self.0.help) as Box<dyn fmt::Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.0.place.as_ref().map(|(source, _)| &*source.code as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let (_, place) = self.0.place.as_ref()?;
+        let label = LabeledSpan::new(None, place.start, place.len());
+        Some(Box::new(std::iter::once(label)))
+    }
+}

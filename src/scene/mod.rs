@@ -1,0 +1,300 @@
+//! Scene files: what to run, in TOML, read into typed sections and resolved to the types of the toolkit.
+//!
+//! - `read`: the text of the file; `overrides`: values set on the command line;
+//! - `mesh`, `shape`, `velocity`, `boundary`, `advection`, `output`: one section each, as it is written and what it means;
+//! - `error`: what is wrong, with the place in the file; `wording`: names, and what the reader of TOML says;
+//! - this file: the whole scene.
+//!
+//! `vofkit new disc` prints a scene with every key explained.
+
+mod advection;
+mod boundary;
+mod context;
+mod error;
+mod mesh;
+mod output;
+mod overrides;
+mod read;
+mod shape;
+mod velocity;
+mod wording;
+
+use std::ops::Range;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use toml::Spanned;
+
+pub use advection::{AdvectionSetup, Stepping, Substeps};
+pub use boundary::BoundarySetup;
+pub use error::{SceneError, Source};
+pub use mesh::MeshSetup;
+pub use output::OutputSetup;
+pub use velocity::ReversalSetup;
+
+use context::{Context, default};
+use wording::{check_name, check_text, unreadable};
+
+use crate::advection::Boundary;
+use crate::interface::Reconstruction;
+use crate::shape::Shape;
+use crate::velocity::Field;
+
+/// Where to learn what scene files can say.
+const TEMPLATE_HELP: &str = "`vofkit new disc` prints a scene with every key explained";
+
+/// A scene in two or three dimensions.
+#[derive(Clone, Debug)]
+pub enum Scene {
+    /// On quadrilaterals.
+    Plane(Box<Resolved<2>>),
+    /// On hexahedra.
+    Space(Box<Resolved<3>>),
+}
+
+/// A scene in the words of the toolkit, every default filled in.
+#[derive(Clone, Debug)]
+pub struct Resolved<const D: usize> {
+    /// The name; that of the output folder too.
+    pub name: String,
+    /// The mesh.
+    pub mesh: MeshSetup<D>,
+    /// The materials, the first one on top.
+    pub materials: Vec<MaterialSetup<D>>,
+    /// The velocity at full amplitude.
+    pub field: Field,
+    /// How it changes in time.
+    pub reversal: ReversalSetup,
+    /// The boundary.
+    pub boundary: BoundarySetup<D>,
+    /// The interface reconstruction.
+    pub reconstruction: Reconstruction,
+    /// The advection.
+    pub advection: AdvectionSetup,
+    /// What is written.
+    pub output: OutputSetup,
+    file: SceneFile,
+    source: Source,
+}
+
+/// A material and where it is at the start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MaterialSetup<const D: usize> {
+    /// The name.
+    pub name: String,
+    /// The shape that it fills.
+    pub shape: Shape<D>,
+    /// Whether there may be nothing of it in the domain.
+    pub allow_empty: bool,
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, expecting = "a scene")]
+struct SceneFile {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<Spanned<String>>,
+    mesh: Spanned<mesh::MeshSection>,
+    material: Spanned<Vec<MaterialSection>>,
+    velocity: velocity::VelocitySection,
+    #[serde(default)]
+    boundary: boundary::BoundarySection,
+    #[serde(default)]
+    reconstruction: advection::ReconstructionSection,
+    #[serde(default = "no_advection")]
+    advection: Spanned<advection::AdvectionSection>,
+    #[serde(default)]
+    output: output::OutputSection,
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, expecting = "a table with name, shape, allow_empty")]
+struct MaterialSection {
+    name: Spanned<String>,
+    shape: Spanned<shape::ShapeChoice>,
+    #[serde(default)]
+    allow_empty: bool,
+}
+
+fn no_advection() -> Spanned<advection::AdvectionSection> {
+    default(advection::AdvectionSection::default())
+}
+
+/// A part of a scene that a later stage can find fault with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// The box of the mesh.
+    Mesh,
+    /// The distortion of the mesh.
+    Distortion,
+    /// The shape of a material.
+    Shape(usize),
+    /// The velocity field.
+    Field,
+    /// The ends of an axis.
+    Boundary(usize),
+    /// The Courant number, or what fixes it.
+    Courant,
+    /// The number of steps, or the end.
+    Steps,
+}
+
+impl Scene {
+    /// Reads a scene file and sets the values of `key=value` in it.
+    ///
+    /// # Errors
+    /// Everything that can be found wrong without making the mesh.
+    pub fn load(path: impl AsRef<Path>, settings: &[String]) -> Result<Self, SceneError> {
+        let path = path.as_ref();
+        let fallback = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("scene");
+        Self::parse(&path.display().to_string(), fallback, &read::read(path)?, settings)
+    }
+
+    /// Reads the text of a scene; `file` is the name that errors show, `fallback` that of a scene without a name.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn parse(file: &str, fallback: &str, text: &str, settings: &[String]) -> Result<Self, SceneError> {
+        let mut source = Source::new(file, text);
+        if !settings.is_empty() {
+            let changed = overrides::apply(&source, settings)?;
+            source = Source::new(format!("{file} (with --set)"), changed);
+        }
+        let mut read: SceneFile =
+            toml::from_str(source.text()).map_err(|error| unreadable(&source, &error))?;
+        let name = read.name.get_or_insert_with(|| default(fallback.to_owned()));
+        let context = Context { source: &source };
+        check_name("the scene", name, context)?;
+        match read.mesh.get_ref().dimension(context)? {
+            2 => Resolved::new(read, source).map(|scene| Self::Plane(Box::new(scene))),
+            _ => Resolved::new(read, source).map(|scene| Self::Space(Box::new(scene))),
+        }
+    }
+
+    /// The name of the scene.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Plane(scene) => &scene.name,
+            Self::Space(scene) => &scene.name,
+        }
+    }
+}
+
+impl<const D: usize> Resolved<D> {
+    fn new(mut file: SceneFile, source: Source) -> Result<Self, SceneError> {
+        let context = Context { source: &source };
+        let mesh = file.mesh.get_mut().resolve(context)?;
+        let materials = materials::<D>(&file, context)?;
+        let names: Vec<String> = materials.iter().map(|material| material.name.clone()).collect();
+        let (field, reversal) = file.velocity.resolve::<D>(context)?;
+        let boundary = file.boundary.resolve(&names, context)?;
+        let reconstruction = file.reconstruction.resolve(context)?;
+        file.advection.get_mut().place = file.advection.span();
+        let advection = file.advection.get_mut().resolve(context)?;
+        let output = file.output.resolve(D, context)?;
+        let name = file.name.as_ref().map(|name| name.get_ref().clone()).unwrap_or_default();
+        Ok(Self {
+            name,
+            mesh,
+            materials,
+            field,
+            reversal,
+            boundary,
+            reconstruction,
+            advection,
+            output,
+            file,
+            source,
+        })
+    }
+
+    /// The names of the materials.
+    pub fn material_names(&self) -> Vec<String> {
+        self.materials.iter().map(|material| material.name.clone()).collect()
+    }
+
+    /// An error in a part of the scene.
+    pub(crate) fn error(
+        &self,
+        part: Part,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> SceneError {
+        self.source.error(self.place(part), message, help)
+    }
+
+    fn place(&self, part: Part) -> Range<usize> {
+        let file = &self.file;
+        let advection = file.advection.get_ref();
+        let given = |place: Range<usize>, otherwise: Range<usize>| {
+            if place.is_empty() { otherwise } else { place }
+        };
+        match part {
+            Part::Mesh => file.mesh.get_ref().cells.span(),
+            Part::Distortion => {
+                given(file.mesh.get_ref().distortion.span(), file.mesh.get_ref().cells.span())
+            }
+            Part::Shape(material) => file.material.get_ref()[material].shape.span(),
+            Part::Field => file.velocity.field.span(),
+            Part::Boundary(axis) => given(file.boundary.place(axis), file.velocity.field.span()),
+            Part::Courant => advection.courant_place(),
+            Part::Steps => advection.steps_place(),
+        }
+    }
+
+    /// The scene as TOML with every default filled in; `boundary` is what the ends turned out to be, `times` when output
+    /// is written.
+    pub fn to_toml(&self, boundary: &Boundary<D>, times: &[f64]) -> String {
+        let mut file = self.file.clone();
+        file.boundary.fill(self.boundary.periodic, boundary);
+        file.output.times.get_or_insert_with(|| default(times.to_vec()));
+        let Ok(mut document) = toml_edit::ser::to_document(&file) else { return String::new() };
+        for (_, item) in document.iter_mut() {
+            // Sections become tables of their own; what is inside them stays on one line.
+            let value = std::mem::take(item);
+            *item = match value.into_table() {
+                Ok(table) => toml_edit::Item::Table(table),
+                Err(value) => match value.into_array_of_tables() {
+                    Ok(list) => toml_edit::Item::ArrayOfTables(list),
+                    Err(value) => value,
+                },
+            };
+        }
+        document.to_string()
+    }
+}
+
+fn materials<const D: usize>(
+    file: &SceneFile,
+    context: Context<'_>,
+) -> Result<Vec<MaterialSetup<D>>, SceneError> {
+    let sections = file.material.get_ref();
+    if sections.is_empty() {
+        return Err(context.error(
+            file.material.span(),
+            "the scene has no material",
+            "add a [[material]] section with a name and a shape",
+        ));
+    }
+    let mut materials: Vec<MaterialSetup<D>> = Vec::new();
+    for MaterialSection { name, shape, allow_empty } in sections {
+        let text = name.get_ref();
+        check_text("the material", name, context)?;
+        if text == boundary::VOID {
+            return Err(context.error(
+                name.span(),
+                "a material cannot be called \"void\": that is where no material is",
+                "choose another name",
+            ));
+        }
+        if materials.iter().any(|other| other.name == *text) {
+            return Err(context.error(
+                name.span(),
+                format!("there are two materials called \"{text}\""),
+                "give each material a name of its own",
+            ));
+        }
+        let shape = shape::resolve(shape, context)?;
+        materials.push(MaterialSetup { name: text.clone(), shape, allow_empty: *allow_empty });
+    }
+    Ok(materials)
+}

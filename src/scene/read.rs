@@ -1,0 +1,53 @@
+//! The text of a scene file, or why there is none.
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::Path;
+
+use super::error::SceneError;
+
+/// Scene files are written by hand; anything larger is something else.
+const LARGEST: u64 = 1 << 20;
+
+/// Reads a scene file. Nothing above the size limit is read.
+pub(super) fn read(path: &Path) -> Result<String, SceneError> {
+    let shown = path.display();
+    let unreadable = |error: io::Error| {
+        let help = match error.kind() {
+            io::ErrorKind::NotFound => "name an existing file; `vofkit new disc > disc.toml` makes one",
+            io::ErrorKind::PermissionDenied => "change its permissions, or name another file",
+            _ => "name a readable file",
+        };
+        SceneError::of_file(format!("cannot read the scene file {shown}: {error}"), help)
+    };
+    let too_large = |size: String| {
+        SceneError::of_file(
+            format!("the scene file {shown} is too large: {size}, the limit is {LARGEST} bytes (1 MiB)"),
+            "name a scene file; they are short texts in TOML",
+        )
+    };
+    let metadata = fs::metadata(path).map_err(unreadable)?;
+    if metadata.is_dir() {
+        return Err(SceneError::of_file(
+            format!("cannot read the scene file {shown}: it is a folder"),
+            "name a scene file inside it, such as one that ends in .toml",
+        ));
+    }
+    if metadata.len() > LARGEST {
+        return Err(too_large(format!("{} bytes", metadata.len())));
+    }
+    let mut bytes = Vec::new();
+    // Pipes and devices have no size beforehand.
+    File::open(path).and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes)).map_err(unreadable)?;
+    if bytes.len() as u64 > LARGEST {
+        return Err(too_large("more than that".to_owned()));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        let line = error.as_bytes()[..at].iter().filter(|&&byte| byte == b'\n').count() + 1;
+        SceneError::of_file(
+            format!("the scene file {shown} is not UTF-8: the byte at offset {at}, in line {line}, does not belong there"),
+            "save it as UTF-8 text",
+        )
+    })
+}

@@ -1,0 +1,179 @@
+//! `[velocity]`: the field and how it changes in time.
+
+use serde::{Deserialize, Serialize};
+use toml::Spanned;
+use vofkit_geometry::Vector;
+
+use super::context::{Context, Numbers, axis, default};
+use super::error::SceneError;
+use crate::velocity::Field;
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, expecting = "a table with field, reversal")]
+pub(super) struct VelocitySection {
+    pub(super) field: Spanned<FieldChoice>,
+    #[serde(default = "no_reversal")]
+    pub(super) reversal: Spanned<ReversalChoice>,
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub(super) enum FieldChoice {
+    Uniform {
+        velocity: Numbers,
+    },
+    Rotation {
+        centre: Numbers,
+        rate: Spanned<f64>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        axis: Option<Numbers>,
+    },
+    Eq101,
+    RudmanShear,
+    ReversedVortex {
+        period: Spanned<f64>,
+    },
+    #[serde(rename = "deformation_3d")]
+    Deformation3d {
+        period: Spanned<f64>,
+    },
+    #[serde(rename = "shear_3d")]
+    Shear3d {
+        period: Spanned<f64>,
+        #[serde(default = "axial_speed")]
+        speed: Spanned<f64>,
+        #[serde(default = "axial_radius")]
+        radius: Spanned<f64>,
+    },
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub(super) enum ReversalChoice {
+    None,
+    Cosine { period: Spanned<f64> },
+    Flip(FlipChoice),
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, expecting = "a table with step or time")]
+pub(super) struct FlipChoice {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    step: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time: Option<Spanned<f64>>,
+}
+
+fn no_reversal() -> Spanned<ReversalChoice> {
+    default(ReversalChoice::None)
+}
+
+fn axial_speed() -> Spanned<f64> {
+    default(1.0)
+}
+
+fn axial_radius() -> Spanned<f64> {
+    default(0.5)
+}
+
+/// When the velocity changes its direction, as the scene says it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ReversalSetup {
+    /// Never.
+    None,
+    /// Gradually, as `cos(pi t / period)`.
+    Cosine {
+        /// The period.
+        period: f64,
+    },
+    /// At once, after a step.
+    FlipAtStep {
+        /// Steps before the change.
+        step: u64,
+    },
+    /// At once, at a time.
+    FlipAtTime {
+        /// The time.
+        time: f64,
+    },
+}
+
+impl VelocitySection {
+    pub(super) fn resolve<const D: usize>(
+        &self,
+        context: Context<'_>,
+    ) -> Result<(Field, ReversalSetup), SceneError> {
+        let reversal = self.reversal(context)?;
+        let (field, period) = self.field::<D>(context)?;
+        if D == 2 && !field.is_planar() {
+            return Err(context.error(
+                self.field.span(),
+                "this velocity field needs three dimensions",
+                "give three numbers of mesh.cells, or use uniform, rotation, eq101, rudman_shear or reversed_vortex",
+            ));
+        }
+        match (period, reversal) {
+            (None, reversal) => Ok((field, reversal)),
+            (Some(period), ReversalSetup::None) => Ok((field, ReversalSetup::Cosine { period })),
+            (Some(_), _) => Err(context.error(
+                self.reversal.span(),
+                "a field with a period already turns back by itself",
+                "leave out `reversal`, or use a field without a period",
+            )),
+        }
+    }
+
+    /// The field and its period.
+    fn field<const D: usize>(&self, context: Context<'_>) -> Result<(Field, Option<f64>), SceneError> {
+        let period = |value: &Spanned<f64>| context.positive("the period", value).map(Some);
+        Ok(match self.field.get_ref() {
+            FieldChoice::Uniform { velocity } => {
+                let velocity: Vector<D> = context.vector("the velocity", velocity)?;
+                (Field::Uniform { velocity: spatial(&velocity) }, None)
+            }
+            FieldChoice::Rotation { centre, rate, axis: about } => {
+                let centre: Vector<D> = context.vector("the centre of the rotation", centre)?;
+                let rate = context.finite("the rate", rate)?;
+                let about = match about {
+                    Some(about) => axis::<D>(about, context)?.normalize(),
+                    None => Vector::<3>::z(),
+                };
+                (Field::Rotation { centre: spatial(&centre), angular_velocity: about * rate }, None)
+            }
+            FieldChoice::Eq101 => (Field::Eq101, None),
+            FieldChoice::RudmanShear => (Field::RudmanShear, None),
+            FieldChoice::ReversedVortex { period: p } => (Field::ReversedVortex, period(p)?),
+            FieldChoice::Deformation3d { period: p } => (Field::Deformation3d, period(p)?),
+            FieldChoice::Shear3d { period: p, speed, radius } => {
+                let speed = context.finite("the speed", speed)?;
+                let radius = context.positive("the radius of the axial flow", radius)?;
+                (Field::Shear3d { speed, radius }, period(p)?)
+            }
+        })
+    }
+
+    fn reversal(&self, context: Context<'_>) -> Result<ReversalSetup, SceneError> {
+        match self.reversal.get_ref() {
+            ReversalChoice::None => Ok(ReversalSetup::None),
+            ReversalChoice::Cosine { period } => {
+                Ok(ReversalSetup::Cosine { period: context.positive("the period", period)? })
+            }
+            ReversalChoice::Flip(FlipChoice { step: Some(step), time: None }) => {
+                Ok(ReversalSetup::FlipAtStep { step: *step })
+            }
+            ReversalChoice::Flip(FlipChoice { step: None, time: Some(time) }) => {
+                Ok(ReversalSetup::FlipAtTime { time: context.positive("the time of the flip", time)? })
+            }
+            ReversalChoice::Flip(_) => Err(context.error(
+                self.reversal.span(),
+                "a flip needs either a step or a time",
+                "write { flip = { step = 100 } } or { flip = { time = 1.0 } }",
+            )),
+        }
+    }
+}
+
+/// The vector in space: two-dimensional meshes lie in the plane z = 0.
+fn spatial<const D: usize>(vector: &Vector<D>) -> Vector<3> {
+    Vector::<3>::from_fn(|k, _| if k < D { vector[k] } else { 0.0 })
+}
