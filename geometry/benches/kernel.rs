@@ -3,7 +3,8 @@
 use std::hint::black_box;
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use vofkit_geometry::{Cell, HalfSpace, Hexahedron, PositionMethod, Quad, Vector};
+use vofkit_geometry::submesh::{self, Triangulation};
+use vofkit_geometry::{Cell, HalfSpace, Hexahedron, PositionMethod, Quad, TruncationMethod, Vector};
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -67,11 +68,20 @@ fn near_identity<const D: usize>(random: &mut Random) -> nalgebra::SMatrix<f64, 
 
 fn kernel(criterion: &mut Criterion) {
     use PositionMethod::{Auto, Brent, Newton};
+    use TruncationMethod::{Kothe, Submesh2, Submesh4};
     let ruled = |random: &mut Random| random.cell::<3, Hexahedron>(0.15);
     let built = samples(ruled);
     each(criterion, "ruled/new", &built, |s| Hexahedron::new(std::array::from_fn(|i| s.cell.nodes()[i])));
     each(criterion, "ruled/defects", &built, |s| s.cell.defects());
     each(criterion, "ruled/section", &built, |s| s.cell.section(&s.half_space));
+    each(criterion, "ruled/moment", &built, |s| s.cell.first_moment(&s.half_space));
+    for (name, method) in [("kothe", Kothe), ("submesh2", Submesh2), ("submesh4", Submesh4)] {
+        let name = format!("ruled/truncate {name}");
+        each(criterion, &name, &built, |s| method.truncate(&s.cell, &s.half_space));
+    }
+    each(criterion, "ruled/plane_constant submesh4", &built, |s| {
+        submesh::plane_constant(&s.cell, &s.normal, s.fraction, Triangulation::FourPerFace)
+    });
     cuts(criterion, "box", |_| Hexahedron::from_corners(corner), &[Auto]);
     let parallelepiped = |random: &mut Random| {
         let shape = near_identity::<3>(random);

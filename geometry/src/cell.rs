@@ -86,8 +86,8 @@ pub trait Cell<const D: usize>: Copy + Send + Sync + std::fmt::Debug + 'static {
     /// What a plane leaves of the cell.
     fn truncate(&self, half_space: &HalfSpace<D>) -> Truncation;
 
-    /// The integral of `x - point` over the part of the cell inside the half-space (algebraic for inverted cells). Where
-    /// the cell is far from the origin, one of its nodes as `point` keeps digits that world coordinates lose.
+    /// The integral of `x - point` over the part of the cell inside the half-space (algebraic for inverted cells).
+    /// Where the cell is far from the origin, one of its nodes as `point` keeps digits that world coordinates lose.
     fn first_moment_about(&self, half_space: &HalfSpace<D>, point: &Vector<D>) -> Vector<D>;
 
     /// The integral of position over the part of the cell inside the half-space: moment over volume is its centroid.

@@ -21,6 +21,7 @@ mod along;
 use nalgebra::Matrix3;
 
 use crate::cell::{Cell, Truncation};
+use crate::frame::Frame;
 use crate::plane_constant::{self, PlaneConstant, PositionError, PositionMethod};
 use crate::root::Value;
 use crate::ruled_face::area_vector;
@@ -98,6 +99,12 @@ impl Hexahedron {
         let jacobian = Matrix3::from_columns(&edges);
         let origin = centre - (edges[0] + edges[1] + edges[2]) * 0.5;
         Self { nodes, origin, jacobian, determinant, local, twists, local_volume, affine }
+    }
+
+    /// The cell in its own frame.
+    pub(crate) fn frame(&self) -> Frame<'_> {
+        let Self { nodes, origin, jacobian, determinant, local, .. } = self;
+        Frame { first: &nodes[0], origin, jacobian, determinant: *determinant, nodes: local }
     }
 
     /// The frame for cells whose mean edges nearly vanish or fall together: a shift and a length scale.

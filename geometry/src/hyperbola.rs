@@ -82,7 +82,8 @@ const LARGE_W: f64 = 8.0;
 /// `numerator - denominator`, which the caller has without cancellation.
 pub fn moments(numerator: f64, denominator: f64, difference: f64) -> Moments {
     let sum = numerator + denominator;
-    let z = difference / sum;
+    // Where the products of heights underflow the quotient may leave its range.
+    let z = (difference / sum).clamp(-1.0, 1.0);
     let z2 = z * z;
     if z2 <= SHORT {
         return from_even_part(z, 1.0 - z, 1.0 + z, short_polynomial(z2));

@@ -12,7 +12,8 @@
 //! - a **swept region** is the cell between a face and the same face displaced.
 //!
 //! Read in this order: [`half_space`], [`cell`], [`quad`], [`hexahedron`], [`ruled_face`], [`hyperbola`],
-//! [`parallelepiped`], [`plane_constant`], [`section`], [`defects`], [`tolerance`].
+//! [`second_moments`], [`parallelepiped`], [`plane_constant`], [`section`], [`defects`], [`tolerance`]; and, for comparison
+//! with the exact truncation, [`method`], [`kothe`], [`submesh`].
 //!
 //! Checking and computing are apart: [`Cell::defects`] lists everything that is wrong with a cell, all other
 //! calls trust their input and return the algebraic (winding) volume of whatever they are given.
@@ -36,10 +37,13 @@
 pub mod cell;
 pub mod defects;
 mod face_part;
+mod frame;
 pub mod half_space;
 pub mod hexahedron;
 pub mod hyperbola;
 mod jacobian;
+pub mod kothe;
+pub mod method;
 mod moment;
 pub mod parallelepiped;
 pub mod plane_constant;
@@ -48,12 +52,14 @@ pub mod root;
 pub mod ruled_face;
 pub mod second_moments;
 pub mod section;
+pub mod submesh;
 pub mod tolerance;
 
 pub use cell::{Cell, Truncation};
 pub use defects::Defect;
 pub use half_space::HalfSpace;
 pub use hexahedron::Hexahedron;
+pub use method::{MethodTruncation, TruncationMethod};
 pub use plane_constant::{PlaneConstant, PositionError, PositionMethod};
 pub use quad::Quad;
 

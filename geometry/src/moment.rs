@@ -1,7 +1,7 @@
 //! The first moment of the truncated part of a cell, the integral of position: its centroid is moment over volume.
 //!
-//! With any point `p` on the plane and `z = y - p`, `div(z_i z) = (D + 1) z_i`; the section contributes nothing, since
-//! `z` lies in it:
+//! With any point `p` on the plane and `z = y - p`, `div(z_i z) = (D + 1) z_i`; the section contributes nothing,
+//! since `z` lies in it:
 //!
 //! ```text
 //! (D + 1) int z dV = sum over faces int z (z.dGamma)
@@ -13,8 +13,9 @@
 //! z.dGamma = (z1.q0 + alpha z1.q_alpha + beta z1.q_beta - alpha beta nu) dalpha dbeta
 //! ```
 //!
-//! So the moments `K_nm`, `n, m <= 2`, of the part of the face below the plane are enough, and those are closed forms in
-//! [`crate::hyperbola`] and [`crate::second_moments`]. Exact for ruled, folded and inverted cells (algebraic).
+//! So the moments `K_nm`, `n, m <= 2`, of the part of the face below the plane are enough, and those are closed
+//! forms in [`crate::hyperbola`] and [`crate::second_moments`]. Exact for ruled, folded and inverted cells
+//! (algebraic).
 
 use crate::Vector;
 use crate::cell::Cell;
@@ -42,8 +43,8 @@ fn from_sums<const D: usize>(origin: &Vector<D>, sum: f64, sums: &Vector<D>) -> 
     PartMoment { volume, first: origin * volume + sums / (D + 1) as f64 }
 }
 
-/// The part where the heights `s` of the nodes `y` over a plane with normal `m` are not positive. `below` sums over the
-/// faces, relative to a point of the plane; the whole cell has all heights negative, and any point will do.
+/// The part where the heights `s` of the nodes `y` over a plane with normal `m` are not positive. `below` sums over
+/// the faces, relative to a point of the plane; the whole cell has all heights negative, and any point will do.
 fn smaller_part<const D: usize, const N: usize>(
     y: &[Vector<D>; N],
     m: &Vector<D>,
@@ -110,8 +111,8 @@ type FaceMoments = [[f64; 3]; 3];
 const WHOLE_FACE: FaceMoments =
     [[1.0, 0.5, 1.0 / 3.0], [0.5, 0.25, 1.0 / 6.0], [1.0 / 3.0, 1.0 / 6.0, 1.0 / 9.0]];
 
-/// Hands the part of a face with `s <= 0` to `add` as signed pieces: the corner to count the face from, the sign, and the
-/// moments in the parametrisation that starts there.
+/// Hands the part of a face with `s <= 0` to `add` as signed pieces: the corner to count the face from, the sign,
+/// and the moments in the parametrisation that starts there.
 fn face_part(s: [f64; 4], mut add: impl FnMut(usize, f64, &FaceMoments)) {
     let pieces = pieces(&s);
     let complement = pieces.iter().flatten().any(|(_, inside)| !inside);
@@ -148,8 +149,9 @@ fn corner_moments([s1, s2, s3, s4]: [f64; 4]) -> FaceMoments {
     std::array::from_fn(|i| std::array::from_fn(|j| powers_a[i] * powers_b[j] * m[i][j]))
 }
 
-/// The strip at the edge from the first corner to the next, under `beta = R + S g(alpha)`, `g = (1-alpha)/(1 + w alpha)`,
-/// `1 + w = (s3-s2)/(s4-s1)`, `R = s2/(s2-s3)`, `R + S = s1/(s1-s4)`. Since `int alpha^n g^k = k M_n(k-1)`,
+/// The strip at the edge from the first corner to the next, under `beta = R + S g(alpha)` with
+/// `g = (1-alpha)/(1 + w alpha)`, `1 + w = (s3-s2)/(s4-s1)`, `R = s2/(s2-s3)`, `R + S = s1/(s1-s4)`. Since
+/// `int alpha^n g^k = k M_n(k-1)`,
 ///
 /// ```text
 /// K_nm = R^(m+1) / ((n+1)(m+1)) + sum over j <= m of binomial(m, j) R^(m-j) S^(j+1) M_nj

@@ -18,8 +18,9 @@
 //! M22 = (1-z)^3/720 (4 - 9 z - 3 z^2 + 15 z (1+z) (5 - 2 z - z^2) C)
 //! ```
 //!
-//! `C` is a minimax polynomial for `|z| <= 3/5`, that is `1 + w` in `[1/4, 4]`, and a logarithm elsewhere. The logarithm
-//! cancels like `z^-6`, but `M22` is so small a part of a moment of the region that a digit of it is not missed.
+//! `C` is a minimax polynomial for `|z| <= 3/5`, that is `1 + w` in `[1/4, 4]`, and a logarithm elsewhere. The
+//! logarithm cancels like `z^-6`, but `M22` is so small a part of a moment of the region that a digit of it is not
+//! missed.
 
 /// The second moments of one corner region, see the module's text.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -48,3 +48,14 @@ pub const SECTION_CHORDS: usize = 32;
 /// A component of a normal in the cell's frame, relative to the largest, that is counted as none: what it adds is far
 /// below rounding, and the inverse of a smaller one overflows.
 pub const DIRECTION_NEGLIGIBLE: f64 = 1e-290;
+
+/// Kothe's formula divides by `lambda`, the product of the heights of two edges of a face over the plane. Below
+/// this, relative to the square of the height of the cell, it counts as zero, and the face falls back. Terms of the
+/// order of `1 / lambda` cancel, and on twisted faces of `1 / lambda^2`: a larger limit would give up faces to a
+/// worse fall-back, with a smaller one a face that is parallel to the plane up to rounding would give volumes of
+/// any size.
+pub const KOTHE_PARALLEL: f64 = 1e-6;
+
+/// Terms after which Kothe's series is cut off. They give full accuracy up to `|w| = 0.99`; at `w = -1` less than
+/// 2e-6 of the sum is left. Without a limit it would go on for ever there.
+pub const KOTHE_TERMS: usize = 2000;

@@ -4,29 +4,8 @@ mod common;
 
 use std::collections::BTreeMap;
 
-use common::{Case, golden, is_valid};
+use common::{Case, Errors, golden, is_valid};
 use vofkit_geometry::{Cell, PositionMethod};
-
-/// Largest and root mean square of errors.
-#[derive(Default)]
-struct Errors {
-    largest: f64,
-    squares: f64,
-    count: usize,
-}
-
-impl Errors {
-    fn add(&mut self, error: f64) {
-        // Keeps a NaN, which no bound then lets pass.
-        self.largest = if error <= self.largest { self.largest } else { error };
-        self.squares += error * error;
-        self.count += 1;
-    }
-
-    fn rms(&self) -> f64 {
-        (self.squares / self.count as f64).sqrt()
-    }
-}
 
 /// Prints a table of errors per category and asserts the bound of each.
 fn check(what: &str, bound: impl Fn(&str) -> f64, error: impl Fn(&Case) -> Option<f64>) {

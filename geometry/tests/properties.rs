@@ -3,55 +3,9 @@
 
 mod common;
 
-use common::{Random, box_volume, corner};
+use common::{Random, at, box_volume, config, corner, range, valid_cell};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use vofkit_geometry::{Cell, HalfSpace, Hexahedron, PositionMethod, Quad, Vector};
-
-fn config() -> ProptestConfig {
-    ProptestConfig {
-        cases: 500,
-        rng_seed: RngSeed::Fixed(20),
-        failure_persistence: None,
-        // A smaller seed is not a simpler cell.
-        max_shrink_iters: 0,
-        ..ProptestConfig::default()
-    }
-}
-
-/// Kinds of cells: each is made from a seed, so that a failure prints one number.
-const KINDS: u64 = 6;
-
-/// A random valid cell: little or much distorted, flat, with collapsed edges, of any size, or far from the origin.
-fn valid_cell<const D: usize, C: Cell<D>>(seed: u64) -> C {
-    let mut random = Random(seed);
-    loop {
-        let cell: C = random.cell(if seed % KINDS == 1 { 0.45 } else { 0.2 });
-        let scale = 10.0_f64.powf(random.within(-9.0, 9.0));
-        let flat = 10.0_f64.powf(random.within(-6.0, 0.0));
-        let shift = random.vector::<D>(1e3);
-        let node = |offset: [usize; D]| {
-            let mut offset = offset;
-            if seed % KINDS == 2 && offset[1] == 1 {
-                // A wedge, a triangle.
-                offset[0] = 0;
-            }
-            let place = C::OFFSETS.iter().position(|o| *o == offset).expect("an offset");
-            let mut x = cell.nodes()[place];
-            match seed % KINDS {
-                3 => x[D - 1] *= flat,
-                4 => x *= scale,
-                5 => x += shift,
-                _ => {}
-            }
-            x
-        };
-        let cell = C::from_corners(node);
-        if !cell.defects().iter().any(|defect| defect.is_error()) {
-            return cell;
-        }
-    }
-}
 
 /// A simple quadrilateral that is not convex.
 fn arrowhead(seed: u64) -> Quad {
@@ -59,12 +13,6 @@ fn arrowhead(seed: u64) -> Quad {
     let cell: Quad = random.cell(0.2);
     let x = cell.nodes();
     Quad::new([x[0], x[1], x[0] + (x[2] - x[0]) * random.within(0.1, 0.45), x[3]])
-}
-
-/// Heights of the lowest and the highest node.
-fn range<const D: usize>(nodes: &[Vector<D>], normal: &Vector<D>) -> (f64, f64) {
-    let heights = nodes.iter().map(|x| normal.dot(x));
-    heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)))
 }
 
 /// The change of a volume when points or planes at the distance of the nodes are rounded, a few times.
@@ -76,11 +24,6 @@ fn rounding<const D: usize>(nodes: &[Vector<D>], area: f64) -> f64 {
 /// The sum of the areas of all faces.
 fn surface<const D: usize, C: Cell<D>>(cell: &C) -> f64 {
     (0..C::FACES).map(|face| cell.face_area(face).norm()).sum()
-}
-
-fn at<const D: usize>(nodes: &[Vector<D>], normal: Vector<D>, part: f64) -> HalfSpace<D> {
-    let (low, high) = range(nodes, &normal);
-    HalfSpace { normal, constant: low + part * (high - low) }
 }
 
 fn parts_sum_to_the_whole<const D: usize>(cell: &impl Cell<D>, normal: Vector<D>, part: f64) {

@@ -1,6 +1,8 @@
 //! What the tests share: the exact cases of `truncation.csv`, cells and a seeded generator.
 #![allow(dead_code)]
 
+use proptest::prelude::ProptestConfig;
+use proptest::test_runner::RngSeed;
 use vofkit_geometry::{Cell, HalfSpace, Hexahedron, Vector};
 
 /// One exact case: cell, plane and results rounded once from 60 digits or more.
@@ -11,6 +13,7 @@ pub(crate) struct Case {
     pub(crate) cell_volume: f64,
     pub(crate) truncated_volume: f64,
     pub(crate) section_area: f64,
+    pub(crate) moment: Vector<3>,
 }
 
 impl Case {
@@ -46,6 +49,7 @@ fn parse(line: &'static str) -> Case {
         cell_volume: values[28],
         truncated_volume: values[29],
         section_area: values[30],
+        moment: vector(31),
     }
 }
 
@@ -100,4 +104,89 @@ impl Random {
 /// A corner of the unit square or cube.
 pub(crate) fn corner<const D: usize>(offset: [usize; D]) -> Vector<D> {
     Vector::<D>::from_fn(|axis, _| offset[axis] as f64)
+}
+
+/// What all property tests run with.
+pub(crate) fn config() -> ProptestConfig {
+    ProptestConfig {
+        cases: 500,
+        rng_seed: RngSeed::Fixed(20),
+        failure_persistence: None,
+        // A smaller seed is not a simpler cell.
+        max_shrink_iters: 0,
+        ..ProptestConfig::default()
+    }
+}
+
+/// Kinds of cells: each is made from a seed, so that a failure prints one number.
+pub(crate) const KINDS: u64 = 6;
+
+/// A random valid cell: little or much distorted, flat, with collapsed edges, of any size, or far from the origin.
+pub(crate) fn valid_cell<const D: usize, C: Cell<D>>(seed: u64) -> C {
+    let mut random = Random(seed);
+    loop {
+        let cell: C = random.cell(if seed % KINDS == 1 { 0.45 } else { 0.2 });
+        let scale = 10.0_f64.powf(random.within(-9.0, 9.0));
+        let flat = 10.0_f64.powf(random.within(-6.0, 0.0));
+        let shift = random.vector::<D>(1e3);
+        let node = |offset: [usize; D]| {
+            let mut offset = offset;
+            if seed % KINDS == 2 && offset[1] == 1 {
+                // A wedge, a triangle.
+                offset[0] = 0;
+            }
+            let place = C::OFFSETS.iter().position(|o| *o == offset).expect("an offset");
+            let mut x = cell.nodes()[place];
+            match seed % KINDS {
+                3 => x[D - 1] *= flat,
+                4 => x *= scale,
+                5 => x += shift,
+                _ => {}
+            }
+            x
+        };
+        let cell = C::from_corners(node);
+        if !cell.defects().iter().any(|defect| defect.is_error()) {
+            return cell;
+        }
+    }
+}
+
+/// Heights of the lowest and the highest node.
+pub(crate) fn range<const D: usize>(nodes: &[Vector<D>], normal: &Vector<D>) -> (f64, f64) {
+    let heights = nodes.iter().map(|x| normal.dot(x));
+    heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)))
+}
+
+/// The plane at the given part of the height of the nodes.
+pub(crate) fn at<const D: usize>(nodes: &[Vector<D>], normal: Vector<D>, part: f64) -> HalfSpace<D> {
+    let (low, high) = range(nodes, &normal);
+    HalfSpace { normal, constant: low + part * (high - low) }
+}
+
+/// Largest and root mean square of errors.
+#[derive(Default)]
+pub(crate) struct Errors {
+    pub(crate) largest: f64,
+    squares: f64,
+    pub(crate) count: usize,
+}
+
+impl Errors {
+    pub(crate) fn add(&mut self, error: f64) {
+        // Keeps a NaN, which no bound then lets pass.
+        self.largest = if error <= self.largest { self.largest } else { error };
+        self.squares += error * error;
+        self.count += 1;
+    }
+
+    pub(crate) fn rms(&self) -> f64 {
+        (self.squares / self.count as f64).sqrt()
+    }
+}
+
+impl std::fmt::Display for Errors {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "largest {:.1e}, rms {:.1e} of {}", self.largest, self.rms(), self.count)
+    }
 }
