@@ -40,19 +40,19 @@ pub enum Command {
     Run {
         /// The scene file.
         scene: PathBuf,
-        /// The output folder [default: out/<scene name>].
+        /// The output folder; `out/NAME` with the name of the scene unless it is given.
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
         /// Replace the results in an existing output folder.
         #[arg(long)]
         force: bool,
-        /// Share the work among N threads [default: one per processor]; the results do not depend on it.
+        /// Share the work among N threads, one per processor unless it is given; the results do not depend on it.
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
         threads: Option<u16>,
         /// Print nothing but errors.
         #[arg(long)]
         quiet: bool,
-        /// Set a value of the scene, such as mesh.cells=[32,32] or material.0.name=water; an empty value removes the key.
+        /// Set a value of the scene, such as `mesh.cells=[32,32]` or `material.0.name=water`; an empty value removes the key.
         #[arg(long, value_name = "KEY=VALUE")]
         set: Vec<String>,
     },

@@ -163,8 +163,8 @@ pub fn memory<const D: usize>(scene: &Resolved<D>) -> usize {
     let cells: usize = scene.mesh.cells.iter().product();
     let distorted = !scene.mesh.distortion.is_none();
     let number = size_of::<f64>();
-    // Nodes, volumes, potentials on edges, and fractions, which are there twice at times.
-    let mut values = D + 1 + (2 * D - 3) + 2 * scene.materials.len();
+    // Nodes, volumes, potentials on edges, fractions, which are there twice at times, and passing values.
+    let mut values = D + 1 + (2 * D - 3) + 2 * scene.materials.len() + 2;
     if distorted {
         // Lists of defects.
         values += 3;

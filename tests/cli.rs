@@ -1,0 +1,229 @@
+//! The command line: templates, folders, failures, and what is left behind.
+#![cfg(all(feature = "cli", feature = "obj", feature = "vtk", feature = "plot"))]
+
+mod cli_support;
+
+use std::fs;
+
+use cli_support::{Place, assert_sound, scene};
+
+/// A scene that runs in no time.
+fn small() -> String {
+    scene("disc_diagonal").to_str().unwrap().to_owned()
+}
+
+#[test]
+fn templates_explain_every_key_and_can_be_run() {
+    let place = Place::new();
+    for kind in ["disc", "sphere", "vortex"] {
+        let template = place.vofkit(&["new", kind]);
+        assert_eq!((template.code, template.err.as_str()), (Some(0), ""));
+        assert!(!template.out.contains('@'), "{}", template.out);
+        place.file("new.toml", &template.out);
+        let checked = place.vofkit(&["check", "new.toml"]);
+        assert_eq!(checked.code, Some(0), "{}", checked.err);
+        let keys = checked.out.lines().filter_map(|line| line.split_once(" = ")).map(|(key, _)| key);
+        for key in keys.filter(|key| !key.starts_with('#')) {
+            let explained = |line: &str| line.trim_start_matches("# ").starts_with(&format!("{key} = "));
+            assert!(template.out.lines().any(explained), "{key} is not in the template {kind}");
+        }
+        let cells = if kind == "sphere" { "mesh.cells=[8,8,8]" } else { "mesh.cells=[12,12]" };
+        let ran = place.vofkit(&["run", "new.toml", "--set", cells, "--out", kind]);
+        assert_eq!(ran.code, Some(0), "{}", ran.err);
+        assert_sound(&place, kind, &place.summary(kind));
+    }
+}
+
+#[test]
+fn the_default_folder_carries_the_name_of_the_scene() {
+    let place = Place::new();
+    let done = place.vofkit(&["run", &small(), "--set", "name=my disc"]);
+    assert_eq!(done.code, Some(0), "{}", done.err);
+    assert_eq!(place.listed("out"), ["my disc"]);
+    assert!(place.listed("out/my disc").contains(&"my disc.pvd".to_owned()));
+}
+
+#[test]
+fn progress_is_told_in_lines_and_quiet_tells_nothing() {
+    let place = Place::new();
+    let done = place.vofkit(&["run", &small(), "--out", "a"]);
+    assert_eq!(done.code, Some(0));
+    let lines = done.err.lines().filter(|line| line.contains("step") && line.contains("left")).count();
+    assert!((8..=12).contains(&lines), "{}", done.err);
+    assert!(done.out.contains("drift") && done.out.contains("disc"), "{}", done.out);
+    let quiet = place.vofkit(&["run", &small(), "--out", "b", "--quiet"]);
+    assert_eq!((quiet.code, quiet.out.as_str(), quiet.err.as_str()), (Some(0), "", ""));
+}
+
+#[test]
+fn an_existing_folder_is_left_alone_without_force() {
+    let place = Place::new();
+    fs::create_dir(place.path("there")).unwrap();
+    fs::write(place.path("there/notes.txt"), "mine").unwrap();
+    let done = place.vofkit(&["run", &small(), "--out", "there"]);
+    assert_eq!(done.code, Some(1));
+    assert!(done.err.contains("exists already") && done.err.contains("--force"), "{}", done.err);
+    assert_eq!(place.listed("there"), ["notes.txt"]);
+    place.file("file", "mine");
+    let done = place.vofkit(&["run", &small(), "--out", "file", "--force"]);
+    assert_eq!(done.code, Some(1));
+    assert!(done.err.contains("not a folder"), "{}", done.err);
+}
+
+#[test]
+fn force_replaces_the_files_of_the_earlier_run_and_nothing_else() {
+    let place = Place::new();
+    let first = place.vofkit(&["run", &small(), "--out", "o", "--quiet"]);
+    assert_eq!(first.code, Some(0), "{}", first.err);
+    place.file("o/notes.txt", "mine");
+    place.file("outside.txt", "mine");
+    // A summary that somebody has meddled with.
+    let mut summary = place.summary("o");
+    let files = summary["files"].as_array_mut().unwrap();
+    let absolute = place.path("outside.txt");
+    for name in ["../outside.txt", absolute.to_str().unwrap(), ".", "..", "", "gone.txt"] {
+        files.push(name.into());
+    }
+    place.file("o/summary.json", summary.to_string());
+    let settings =
+        ["--set", "output.interface=[]", "--set", "output.picture=false", "--set", "output.fields=false"];
+    let again =
+        place.vofkit(&[&["run", &small(), "--out", "o", "--force", "--quiet"], &settings[..]].concat());
+    assert_eq!(again.code, Some(0), "{}", again.err);
+    assert_eq!(place.listed("o"), ["history.csv", "notes.txt", "summary.json"]);
+    assert!(place.path("outside.txt").exists());
+    // A wrong scene does not cost the earlier results.
+    let wrong = place.vofkit(&["run", &small(), "--out", "o", "--force", "--set", "advection.courant=3.0"]);
+    assert_eq!(wrong.code, Some(1));
+    assert_eq!(place.listed("o"), ["history.csv", "notes.txt", "summary.json"]);
+}
+
+#[test]
+fn arguments_that_make_no_sense_are_refused() {
+    let place = Place::new();
+    let wrong: &[&[&str]] = &[
+        &[],
+        &["fly"],
+        &["run"],
+        &["new", "cube"],
+        &["run", "a.toml", "--threads", "0"],
+        &["run", "a.toml", "--threads", "-1"],
+        &["run", "a.toml", "--threads", "many"],
+        &["run", "a.toml", "--fast"],
+    ];
+    for arguments in wrong {
+        let done = place.vofkit(arguments);
+        assert_eq!(done.code, Some(2), "{arguments:?}: {}", done.err);
+    }
+    assert_eq!(place.vofkit(&["--help"]).code, Some(0));
+    assert_eq!(place.vofkit(&["--version"]).out.trim(), concat!("vofkit ", env!("CARGO_PKG_VERSION")));
+    assert!(place.listed(".").is_empty());
+}
+
+#[test]
+fn files_that_are_no_scenes_are_refused() {
+    let place = Place::new();
+    place.file("binary.toml", b"name = \"a\"\nfoo = \"\xff\"\n");
+    place.file("empty.toml", "");
+    let long = fs::File::create(place.path("long.toml")).unwrap();
+    long.set_len(100 << 20).unwrap();
+    fs::create_dir(place.path("folder.toml")).unwrap();
+    let cases: &[(&str, &[&str])] = &[
+        ("missing.toml", &["cannot read", "vofkit new"]),
+        ("folder.toml", &["is a folder"]),
+        ("binary.toml", &["not UTF-8", "offset 18", "line 2", "UTF-8 text"]),
+        ("long.toml", &["too large", "104857600 bytes", "1048576"]),
+        ("empty.toml", &["missing key `mesh`", "empty.toml:1:"]),
+    ];
+    for (file, answer) in cases {
+        let done = place.vofkit(&["run", file]);
+        assert_eq!(done.code, Some(1), "{file}");
+        for words in answer.iter().chain([file]) {
+            assert!(done.err.contains(words), "{file}: no {words:?} in\n{}", done.err);
+        }
+    }
+    assert!(!place.path("out").exists());
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_named() {
+    let place = Place::new();
+    place.file("file", "");
+    let done = place.vofkit(&["run", &small(), "--out", "file/below"]);
+    assert_eq!(done.code, Some(1));
+    assert!(done.err.contains("file/below") && done.err.contains("--out"), "{}", done.err);
+}
+
+#[cfg(unix)]
+mod disk {
+    use std::os::unix::fs::PermissionsExt;
+    use std::process::{Command, Stdio};
+
+    use super::*;
+    use cli_support::Done;
+
+    /// Runs in a shell that lets no file grow beyond a number of blocks of 512 bytes.
+    fn limited(place: &Place, blocks: u32, arguments: &str) -> Done {
+        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$VOFKIT\" {arguments}");
+        let mut shell = Command::new("sh");
+        shell.args(["-c", &script]).env("VOFKIT", env!("CARGO_BIN_EXE_vofkit")).current_dir(place.path("."));
+        Done::from(shell.output().unwrap())
+    }
+
+    #[test]
+    fn a_disk_that_fills_at_the_start_leaves_nothing() {
+        let place = Place::new();
+        let done = limited(&place, 8, &format!("run '{}' --out a/b", small()));
+        assert_eq!(done.code, Some(1), "{}", done.err);
+        assert!(done.err.contains("cannot write") && done.err.contains("fields_0000.vts"), "{}", done.err);
+        assert!(place.listed(".").is_empty(), "{:?}", place.listed("."));
+    }
+
+    #[test]
+    fn a_disk_that_fills_later_leaves_complete_files_only() {
+        let place = Place::new();
+        let less = "--set 'output.interface=[\"obj\"]' --set output.picture=false --set output.fields=false";
+        let steps = "--set advection.courant=0.1 --set output.times=[0.0]";
+        let done = limited(&place, 16, &format!("run '{}' --out a {less} {steps}", small()));
+        assert_eq!(done.code, Some(1), "{}", done.err);
+        assert!(done.err.contains("cannot write") && done.err.contains("history.csv"), "{}", done.err);
+        assert_eq!(place.listed("a"), ["interface_0000.obj"]);
+        let object = fs::read_to_string(place.path("a/interface_0000.obj")).unwrap();
+        assert!(object.starts_with("o disc") && object.ends_with('\n'), "{object}");
+    }
+
+    #[test]
+    fn a_read_only_folder_is_named() {
+        let place = Place::new();
+        fs::create_dir(place.path("locked")).unwrap();
+        fs::set_permissions(place.path("locked"), fs::Permissions::from_mode(0o555)).unwrap();
+        if fs::write(place.path("locked/probe"), "").is_ok() {
+            eprintln!("SKIPPED: this user may write to read-only folders");
+            return;
+        }
+        let done = place.vofkit(&["run", &small(), "--out", "locked/below"]);
+        assert_eq!(done.code, Some(1));
+        assert!(done.err.contains("locked/below") && done.err.contains("permissions"), "{}", done.err);
+        assert!(place.listed("locked").is_empty());
+    }
+
+    #[test]
+    fn a_reader_that_has_had_enough_is_no_failure() {
+        let place = Place::new();
+        let mut child = place.command().args(["new", "disc"]).stdout(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        assert_eq!(child.wait().unwrap().code(), Some(0));
+    }
+
+    #[test]
+    fn a_full_standard_output_is_a_failure() {
+        let Ok(full) = fs::OpenOptions::new().write(true).open("/dev/full") else {
+            eprintln!("SKIPPED: there is no /dev/full");
+            return;
+        };
+        let place = Place::new();
+        let done = Done::from(place.command().args(["new", "disc"]).stdout(full).output().unwrap());
+        assert_eq!(done.code, Some(1));
+        assert!(done.err.contains("standard output"), "{}", done.err);
+    }
+}

@@ -1,0 +1,251 @@
+//! Whole runs of the scenes: volume, bounds, coherence, accuracy, and the same bits with any number of threads.
+#![cfg(all(feature = "cli", feature = "obj", feature = "vtk", feature = "plot"))]
+
+mod cli_support;
+
+use std::fs;
+
+use cli_support::{Place, assert_sound, number, scene, scenes};
+use serde_json::Value;
+
+/// Settings that make a scene small.
+fn small(name: &str) -> Vec<&'static str> {
+    let mut settings = match name {
+        "zalesak_disc" => vec!["mesh.cells=[50,50]", "advection.steps=600"],
+        "shear_3d" => vec!["mesh.cells=[10,10,20]"],
+        "deformation_3d" | "sphere_diagonal" | "sphere_rotation" => vec!["mesh.cells=[12,12,12]"],
+        _ => vec!["mesh.cells=[20,20]"],
+    };
+    if ["rudman_shear", "vortex_there_and_back"].contains(&name) {
+        settings.extend(["advection.steps=60", "velocity.reversal.flip.step=30"]);
+    }
+    settings
+}
+
+#[test]
+fn every_scene_runs_and_tells_the_truth() {
+    let place = Place::new();
+    for name in scenes() {
+        let summary = place.run(&name, &name, &small(&name));
+        assert_sound(&place, &name, &summary);
+        assert_eq!(summary["scene"], name.as_str());
+        let courant = number(&summary["max_courant"]);
+        assert!(courant > 0.0 && courant <= 1.0, "{name}: {courant}");
+        // All these motions are rigid or end where they started.
+        let error = number(&summary["materials"][0]["shape_error_relative"]);
+        assert!((0.0..=1.5).contains(&error), "{name}: {error}");
+        let skipped = &summary["skipped"]["reconstructions"];
+        let done = number(&summary["cells_reconstructed"]);
+        assert!(
+            done > 0.0 && number(&skipped["skipped"]) + done == number(&skipped["of"]),
+            "{name}: {skipped}"
+        );
+        let history = fs::read_to_string(place.path(&name).join("history.csv")).unwrap();
+        assert_eq!(history.lines().count() as u64, summary["steps"].as_u64().unwrap() + 2);
+    }
+}
+
+#[test]
+fn the_summary_has_all_its_fields() {
+    let place = Place::new();
+    let summary = place.run("disc_diagonal", "o", &[]);
+    let keys = [
+        "scene",
+        "dimension",
+        "cells",
+        "steps",
+        "threads",
+        "wall_seconds",
+        "max_courant",
+        "max_divergence",
+        "mixed_cells_mean",
+        "cells_reconstructed",
+        "positions_closed_form",
+        "positions_iterative",
+        "evaluations_per_position",
+        "skipped",
+        "facet_gap_mean",
+        "files",
+        "materials",
+    ];
+    let material_keys = [
+        "name",
+        "volume_initial",
+        "volume_final",
+        "boundary_volume",
+        "volume_drift",
+        "fraction_min",
+        "fraction_max",
+        "shape_error",
+        "shape_error_relative",
+        "fragments",
+        "stray_volume",
+        "corrections",
+    ];
+    let has = |value: &Value, keys: &[&str]| keys.iter().all(|key| value.get(key).is_some());
+    assert!(has(&summary, &keys), "{summary}");
+    assert!(has(&summary["materials"][0], &material_keys), "{summary}");
+    let header = fs::read_to_string(place.path("o/history.csv")).unwrap();
+    assert_eq!(
+        header.lines().next().unwrap(),
+        "step,time,dt,courant,mixed_cells,disc.volume,disc.min,disc.max,disc.clipped,disc.rescaled"
+    );
+}
+
+#[test]
+fn discs_and_spheres_stay_in_one_piece() {
+    let place = Place::new();
+    for name in ["disc_diagonal", "disc_rotation", "sphere_diagonal", "sphere_rotation"] {
+        for courant in [0.3, 0.5, 0.7] {
+            let setting = format!("advection.courant={courant}");
+            let summary = place.run(name, "o", &[&setting, "output.fields=false", "output.interface=[]"]);
+            assert_sound(&place, "o", &summary);
+            let material = &summary["materials"][0];
+            assert_eq!(material["fragments"], 1, "{name} at {courant}");
+            let stray = number(&material["stray_volume"]);
+            assert!(stray <= 1e-4, "{name} at {courant}: {stray}");
+        }
+    }
+}
+
+#[test]
+fn distorted_meshes_conserve_volume_along_mesh_lines() {
+    let place = Place::new();
+    let distortions = ["{random={amplitude=0.2,seed=1}}", "{wave={amplitude=0.3}}", "{twist={angle=0.5}}"];
+    for name in ["disc_rotation", "sphere_rotation"] {
+        for distortion in distortions {
+            let setting = format!("mesh.distortion={distortion}");
+            let mut settings = small(name);
+            settings.push(&setting);
+            let summary = place.run(name, "o", &settings);
+            assert_sound(&place, "o", &summary);
+            settings.push("advection.sweep_axes=cartesian");
+            let material = &place.run(name, "o", &settings)["materials"][0];
+            let [drift, clipped] =
+                [&material["volume_drift"], &material["corrections"]["clipped"]].map(number);
+            assert!(drift.abs() <= 0.05 && clipped > 0.0, "{name} {distortion}: {material}");
+        }
+    }
+}
+
+#[test]
+fn the_reversed_vortex_is_as_accurate_as_it_should_be() {
+    let place = Place::new();
+    let nothing = ["output.fields=false", "output.interface=[]", "output.picture=false"];
+    let error = |cells: &str, courant: &str| {
+        let settings = [&[cells, courant], &nothing[..]].concat();
+        number(&place.run("reversed_vortex", "o", &settings)["materials"][0]["shape_error"])
+    };
+    let coarse = error("mesh.cells=[32,32]", "advection.courant=1.0");
+    assert!((3.5e-2..=4.1e-2).contains(&coarse), "{coarse}");
+    let fine = error("mesh.cells=[64,64]", "advection.courant=0.5");
+    assert!((0.9e-2..=1.2e-2).contains(&fine), "{fine}");
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let place = Place::new();
+    for (name, settings) in [
+        ("disc_rotation", "mesh.cells=[40,40]"),
+        ("deformation_3d", "mesh.distortion={wave={amplitude=0.2}}"),
+    ] {
+        let path = scene(name);
+        let shared = ["run", path.to_str().unwrap(), "--quiet", "--set", settings];
+        let small: &[&str] = if name.ends_with("3d") {
+            &[
+                "--set",
+                "mesh.cells=[16,16,16]",
+                "--set",
+                "advection.end_time=0.5",
+                "--set",
+                "output.times=[0.0,0.5]",
+            ]
+        } else {
+            &[]
+        };
+        for threads in ["1", "2"] {
+            let out = format!("{name}{threads}");
+            let done = place.vofkit(&[&shared[..], small, &["--threads", threads, "--out", &out]].concat());
+            assert_eq!(done.code, Some(0), "{}", done.err);
+            assert_eq!(place.summary(&out)["threads"].to_string(), threads);
+        }
+        let [one, two] = ["1", "2"].map(|threads| format!("{name}{threads}"));
+        assert_eq!(place.listed(&one), place.listed(&two));
+        for file in place.listed(&one).iter().filter(|file| *file != "summary.json") {
+            let [a, b] = [&one, &two].map(|out| fs::read(place.path(out).join(file)).unwrap());
+            assert!(a == b, "{name}: {file} differs");
+        }
+    }
+}
+
+#[test]
+fn steps_that_are_too_long_are_split_or_accounted_for() {
+    let place = Place::new();
+    let split = place.run("disc_rotation", "o", &["advection.courant=2.5", "advection.substeps=auto"]);
+    assert_sound(&place, "o", &split);
+    assert!(split["substeps"].as_u64().unwrap() >= 3, "{split}");
+    let off = place.run("disc_rotation", "o", &["advection.courant=1.5", "advection.substeps=off"]);
+    let material = &off["materials"][0];
+    assert!(number(&material["corrections"]["clipped"]) > 0.0, "{material}");
+}
+
+#[test]
+fn what_leaves_through_a_periodic_end_comes_in_at_the_other() {
+    let place = Place::new();
+    let joined = ["boundary.x=[\"periodic\",\"periodic\"]", "boundary.y=[\"periodic\",\"periodic\"]"];
+    let settings = [&joined[..], &["advection.end_time=10.0", "output.times=[0,5,10]"]].concat();
+    let summary = place.run("disc_diagonal", "o", &settings);
+    assert_sound(&place, "o", &summary);
+    let material = &summary["materials"][0];
+    let error = number(&material["shape_error_relative"]);
+    assert!(error > 0.0 && error <= 0.02, "{material}");
+    assert_eq!(material["boundary_volume"], 0.0);
+    // Half way through the end: the exact shape is in four pieces.
+    let half = [&joined[..], &["advection.end_time=7.5", "output.times=[]"]].concat();
+    let material = &place.run("disc_diagonal", "o", &half)["materials"][0];
+    assert!(number(&material["shape_error_relative"]) <= 0.02, "{material}");
+}
+
+#[test]
+fn what_leaves_through_open_ends_is_in_the_balance() {
+    let place = Place::new();
+    let summary = place.run("disc_diagonal", "o", &["advection.end_time=7.5", "output.times=[]"]);
+    assert_sound(&place, "o", &summary);
+    let material = &summary["materials"][0];
+    let [initial, left, error] =
+        ["volume_initial", "boundary_volume", "shape_error_relative"].map(|key| number(&material[key]));
+    assert!(left > 0.5 * initial && left < initial, "{material}");
+    assert!(error <= 0.02, "{material}");
+    // Through a rotation that cannot be told exactly.
+    let place_in_corner = "material.0.shape.disc.centre=[2.0,2.0]";
+    let material = &place.run("disc_rotation", "o", &[place_in_corner])["materials"][0];
+    assert!(material["shape_error"].is_null(), "{material}");
+}
+
+#[test]
+fn only_what_is_asked_for_is_written() {
+    let place = Place::new();
+    let nothing =
+        ["output.fields=false", "output.interface=[]", "output.picture=false", "output.history=false"];
+    let summary = place.run("disc_diagonal", "o", &nothing);
+    assert_eq!(place.listed("o"), ["summary.json"]);
+    assert_eq!(summary["skipped"]["outputs"].as_array().unwrap().len(), 5);
+    let late = place.run("disc_diagonal", "o", &["output.times=[0,1,99]"]);
+    assert_eq!(late["skipped"]["times_after_end"].to_string(), "[99.0]");
+}
+
+#[test]
+fn small_geometry_is_scaled_for_obj() {
+    let place = Place::new();
+    let settings = [
+        "mesh.upper=[1e-4,1e-4]",
+        "material.0.shape.disc.centre=[2.5e-5,2.5e-5]",
+        "material.0.shape.disc.radius=1.5e-5",
+        "velocity.field.uniform.velocity=[1e-5,1e-5]",
+    ];
+    let summary = place.run("disc_diagonal", "o", &settings);
+    assert_sound(&place, "o", &summary);
+    assert_eq!(number(&summary["obj_scale"]), 1e4);
+    let object = fs::read_to_string(place.path("o/interface_0000.obj")).unwrap();
+    assert!(object.contains("disc_scale_1e4"), "{object}");
+}
