@@ -54,8 +54,14 @@ pub(super) fn unreadable(source: &Source, error: &toml::de::Error) -> SceneError
         ("variant", "word"),
         ("field", "key"),
     ];
-    let message =
-        words.iter().fold(error.message().to_owned(), |message, (from, to)| replace_word(&message, from, to));
+    let message = match error.message() {
+        "wanted exactly 1 element, more than 1 element" => {
+            "one choice is wanted here, and there are several".to_owned()
+        }
+        message => {
+            words.iter().fold(message.to_owned(), |message, (from, to)| replace_word(&message, from, to))
+        }
+    };
     source.error(error.span().unwrap_or(0..0), message, super::TEMPLATE_HELP)
 }
 
