@@ -75,6 +75,7 @@ fn kernel(criterion: &mut Criterion) {
     each(criterion, "ruled/defects", &built, |s| s.cell.defects());
     each(criterion, "ruled/section", &built, |s| s.cell.section(&s.half_space));
     each(criterion, "ruled/moment", &built, |s| s.cell.first_moment(&s.half_space));
+    each(criterion, "ruled/section_centroid", &built, |s| s.cell.section_centroid(&s.half_space));
     for (name, method) in [("kothe", Kothe), ("submesh2", Submesh2), ("submesh4", Submesh4)] {
         let name = format!("ruled/truncate {name}");
         each(criterion, &name, &built, |s| method.truncate(&s.cell, &s.half_space));
@@ -89,6 +90,19 @@ fn kernel(criterion: &mut Criterion) {
     };
     cuts(criterion, "parallelepiped", parallelepiped, &[Auto]);
     cuts(criterion, "ruled", ruled, &[Newton, Brent]);
+    // A rotated sliver, which compensated arithmetic is for.
+    let rotation = nalgebra::Rotation3::from_euler_angles(0.3, 0.7, 1.1);
+    let sliver = |random: &mut Random| {
+        let cell = ruled(random);
+        Hexahedron::new(std::array::from_fn(|i| {
+            rotation * cell.nodes()[i].component_mul(&Vector::<3>::new(1.0, 1.0, 1e-6))
+        }))
+    };
+    let built = samples(sliver);
+    each(criterion, "rotated sliver/new", &built, |s| {
+        Hexahedron::new(std::array::from_fn(|i| s.cell.nodes()[i]))
+    });
+    cuts(criterion, "rotated sliver", sliver, &[Newton]);
     let quad = |random: &mut Random| random.cell::<2, Quad>(0.15);
     let built = samples(quad);
     each(criterion, "quad/new", &built, |s| Quad::new(std::array::from_fn(|i| s.cell.nodes()[i])));

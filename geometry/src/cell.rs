@@ -95,6 +95,10 @@ pub trait Cell<const D: usize>: Copy + Send + Sync + std::fmt::Debug + 'static {
         self.first_moment_about(half_space, &Vector::zeros())
     }
 
+    /// The centroid of the section, of all its loops together (2D: segments); none where the plane misses the cell or
+    /// only touches it. Exact for ruled faces, unlike the mean of sampled points.
+    fn section_centroid(&self, half_space: &HalfSpace<D>) -> Option<Vector<D>>;
+
     /// The plane constant for which [`Cell::truncate`] gives `fraction` of the volume: its inverse.
     ///
     /// `fraction` 0 and 1 give the tangent planes. The normal need not have unit length.

@@ -13,41 +13,46 @@ pub(crate) struct FaceMoments {
     pub(crate) k11: f64,
 }
 
-const WHOLE_FACE: FaceMoments = FaceMoments { k00: 1.0, k10: 0.5, k01: 0.5, k11: 0.25 };
+/// Moments of a whole face.
+pub(crate) const WHOLE_FACE: FaceMoments = FaceMoments { k00: 1.0, k10: 0.5, k01: 0.5, k11: 0.25 };
 
-/// Hands the part of a face with `s <= 0` to `add` as signed pieces: the corner to count the face from, the
-/// sign, and the moments in the parametrisation that starts there.
+/// Adds up the pieces that the part of a face is made of.
+pub(crate) trait FaceSum {
+    /// Adds the whole face.
+    fn whole(&mut self);
+    /// Adds, with a sign, a piece whose moments are counted from a corner.
+    fn part(&mut self, corner: usize, sign: f64, moments: &FaceMoments);
+}
+
+/// Adds up the part of a face with heights `s <= 0`, given also as bits.
 #[inline]
-pub(crate) fn face_part(s: [f64; 4], mut add: impl FnMut(usize, f64, FaceMoments)) {
-    let mask = s.iter().enumerate().fold(0, |mask, (i, &s)| mask | (usize::from(s <= 0.0) << i));
+pub(crate) fn face_part(mask: u8, s: [f64; 4], sum: &mut impl FaceSum) {
     match mask {
         0b0000 => {}
-        0b1111 => add(0, 1.0, WHOLE_FACE),
+        0b1111 => sum.whole(),
         0b0001 | 0b0010 | 0b0100 | 0b1000 => {
             let i = mask.trailing_zeros() as usize;
-            add(i, 1.0, corner_moments(s, i));
+            sum.part(i, 1.0, &corner_moments(s, i));
         }
         0b0011 | 0b0110 | 0b1100 | 0b1001 => {
             let i = if mask == 0b1001 { 3 } else { mask.trailing_zeros() as usize };
-            add(i, 1.0, strip_moments(s, i));
+            sum.part(i, 1.0, &strip_moments(s, i));
         }
         0b1110 | 0b1101 | 0b1011 | 0b0111 => {
             let i = (!mask).trailing_zeros() as usize;
-            add(0, 1.0, WHOLE_FACE);
-            add(i, -1.0, corner_moments(s, i));
+            sum.whole();
+            sum.part(i, -1.0, &corner_moments(s, i));
         }
         _ => {
             // Two opposite corners: they meet across the saddle, or they do not.
             let i = mask.trailing_zeros() as usize;
-            if s[i] * s[i + 2] > s[i + 1] * s[(i + 3) & 3] {
-                add(0, 1.0, WHOLE_FACE);
-                for outside in [i + 1, (i + 3) & 3] {
-                    add(outside, -1.0, corner_moments(s, outside));
-                }
-            } else {
-                for inside in [i, i + 2] {
-                    add(inside, 1.0, corner_moments(s, inside));
-                }
+            let joined = s[i] * s[i + 2] > s[i + 1] * s[(i + 3) & 3];
+            let (corner, sign) = if joined { (i + 1, -1.0) } else { (i, 1.0) };
+            if joined {
+                sum.whole();
+            }
+            for corner in [corner, (corner + 2) & 3] {
+                sum.part(corner, sign, &corner_moments(s, corner));
             }
         }
     }

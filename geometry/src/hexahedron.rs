@@ -1,9 +1,8 @@
 //! The hexahedron with eight nodes and six ruled faces, and its exact truncation by a plane.
 //!
-//! Everything happens in the cell's own affine frame: with the mean edge vectors as columns of `J` and the
-//! origin at the corner of their parallelepiped, `y = J^-1 (x - origin)` is a unit cube plus dimensionless twists. The plane
-//! `n.x = d` becomes `m.y = d - n.origin` with `m = J^T n`, and volumes scale with `det J`. Slivers, needles
-//! and tiny or huge cells are then as accurate as the unit cube.
+//! Everything happens in the cell's own affine frame, in which it is a unit cube plus dimensionless twists, the plane
+//! `n.x = d` becomes `m.y = level` with `m` along `J^T n`, and volumes scale with `det J`. Slivers, needles, rotated or
+//! not, and tiny or huge cells are then as accurate as the unit cube.
 //!
 //! **Truncated volume.** For any point `p` on the plane the divergence theorem gives (Kothe et al. 1999;
 //! Eq. 91, 94 of the paper)
@@ -17,18 +16,21 @@
 //! `along` does that for one normal.
 
 mod along;
+mod profile;
 
-use nalgebra::Matrix3;
+use std::ops::{Add, Mul, Sub};
 
+use crate::affine::Affine;
 use crate::cell::{Cell, Truncation};
-use crate::frame::Frame;
-use crate::plane_constant::{self, PlaneConstant, PositionError, PositionMethod};
-use crate::root::Value;
+use crate::compensated::Pair;
+use crate::frame::{Direction, Frame, is_ill_conditioned};
+use crate::plane_constant::{self, Monotone, PlaneConstant, PositionError, PositionMethod};
 use crate::ruled_face::area_vector;
 use crate::tolerance::{TWIST_AFFINE, TWIST_NEGLIGIBLE};
 use crate::{Defect, HalfSpace, Vector, defects, jacobian, section};
 
-use along::{Along, Profile};
+use along::Along;
+use profile::Profile;
 
 type Vector3 = Vector<3>;
 
@@ -36,10 +38,7 @@ type Vector3 = Vector<3>;
 #[derive(Clone, Copy, Debug)]
 pub struct Hexahedron {
     nodes: [Vector3; 8],
-    /// The frame's origin, relative to the first node.
-    origin: Vector3,
-    jacobian: Matrix3<f64>,
-    determinant: f64,
+    frame: Frame<3>,
     /// The nodes in the frame.
     local: [Vector3; 8],
     /// The twists in the frame.
@@ -48,19 +47,53 @@ pub struct Hexahedron {
     affine: bool,
 }
 
-/// The three second-order twists (xi eta, xi zeta, eta zeta) of a trilinear map.
-fn twists(x: &[Vector3; 8]) -> [Vector3; 4] {
-    let along_xi = [x[1] - x[0], x[2] - x[3], x[5] - x[4], x[6] - x[7]];
-    let xi_eta = 0.5 * ((along_xi[1] - along_xi[0]) + (along_xi[3] - along_xi[2]));
-    let xi_zeta = 0.5 * ((along_xi[2] - along_xi[0]) + (along_xi[3] - along_xi[1]));
-    let eta_zeta = 0.5 * (((x[7] - x[4]) - (x[3] - x[0])) + ((x[6] - x[5]) - (x[2] - x[1])));
-    let cubic = (along_xi[3] - along_xi[2]) - (along_xi[1] - along_xi[0]);
-    [xi_eta, xi_zeta, eta_zeta, cubic]
+/// The mean edges of a trilinear map along xi, eta, zeta, and its twists (xi eta, xi zeta, eta zeta, xi eta zeta), the
+/// second-order ones about the centre, from the edges between pairs of nodes.
+#[inline(always)]
+fn modes<T>(edge: impl Fn(usize, usize) -> T) -> ([T; 3], [T; 4])
+where
+    T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>,
+{
+    let edge = |i: usize| edge(Hexahedron::EDGES[i][0], Hexahedron::EDGES[i][1]);
+    let xi = [edge(0), edge(1), edge(2), edge(3)];
+    let (xi_lower, xi_upper) = (xi[0] + xi[1], xi[2] + xi[3]);
+    let (twist_lower, twist_upper) = (xi[1] - xi[0], xi[3] - xi[2]);
+    let (eta_lower, eta_upper) = (edge(4) + edge(5), edge(6) + edge(7));
+    let zeta = (edge(8) + edge(9)) + (edge(10) + edge(11));
+    (
+        [(xi_lower + xi_upper) * 0.25, (eta_lower + eta_upper) * 0.25, zeta * 0.25],
+        [
+            (twist_lower + twist_upper) * 0.5,
+            (xi_upper - xi_lower) * 0.5,
+            (eta_upper - eta_lower) * 0.5,
+            twist_upper - twist_lower,
+        ],
+    )
 }
 
-fn mean_edges(x: &[Vector3; 8]) -> [Vector3; 3] {
-    let edge = |i: usize| x[Hexahedron::EDGES[i][1]] - x[Hexahedron::EDGES[i][0]];
-    [0, 4, 8].map(|i| 0.25 * (edge(i) + edge(i + 1) + edge(i + 2) + edge(i + 3)))
+/// The mean edges, the rows of `det J J^-1`, `det J`, and the twists in the frame: not finite where `det J` vanishes.
+struct AffinePart<T> {
+    edges: [T; 3],
+    rows: [T; 3],
+    determinant: f64,
+    twists: [Vector3; 4],
+}
+
+impl<T> AffinePart<T> {
+    #[inline(always)]
+    fn new(
+        (edges, [b12, b13, b23, b]): ([T; 3], [T; 4]),
+        cross: impl Fn(&T, &T) -> T,
+        dot: impl Fn(&T, &T) -> f64,
+    ) -> Self {
+        let [xi, eta, zeta] = &edges;
+        let rows = [cross(eta, zeta), cross(zeta, xi), cross(xi, eta)];
+        let determinant = dot(xi, &rows[0]);
+        let scale = determinant.recip();
+        let solve = |a: &T| Vector3::new(dot(&rows[0], a), dot(&rows[1], a), dot(&rows[2], a)) * scale;
+        let twists = [solve(&b12), solve(&b13), solve(&b23), solve(&b)];
+        Self { edges, rows, determinant, twists }
+    }
 }
 
 impl Hexahedron {
@@ -71,60 +104,93 @@ impl Hexahedron {
 
     /// The hexahedron with these nodes, in the order of `VTK_HEXAHEDRON`.
     pub fn new(nodes: [Vector3; 8]) -> Self {
-        let edges = mean_edges(&nodes);
-        let raw = twists(&nodes);
-        let normals = [edges[1].cross(&edges[2]), edges[2].cross(&edges[0]), edges[0].cross(&edges[1])];
-        let determinant = edges[0].dot(&normals[0]);
-        let scale = determinant.recip();
-        // J^-1 a; not finite where the determinant vanishes.
-        let twists = raw.map(|a| Vector3::from_fn(|row, _| normals[row].dot(&a) * scale));
-        // Comparisons with NaN are false: what is not finite has no affine frame.
-        let within = |limit: f64| twists.iter().all(|b| b.iter().all(|c| c.abs() <= limit));
-        let centre = 0.125 * nodes.iter().map(|x| x - nodes[0]).sum::<Vector3>();
-        if !within(TWIST_AFFINE) {
-            return Self::scaled(nodes, centre);
+        let AffinePart { edges, rows, determinant, twists } =
+            AffinePart::new(modes(|a, b| nodes[b] - nodes[a]), Vector3::cross, Vector3::dot);
+        if is_ill_conditioned(&edges, &rows, determinant) {
+            return Self::compensated(nodes);
         }
-        let affine = within(TWIST_NEGLIGIBLE);
-        let mut local = CUBE;
-        let mut local_volume = 1.0;
-        if !affine {
-            for y in &mut local {
-                let c = y.add_scalar(-0.5);
-                *y += twists[0] * (c[0] * c[1])
-                    + twists[1] * (c[0] * c[2])
-                    + (twists[2] + twists[3] * c[0]) * (c[1] * c[2]);
-            }
-            local_volume = volume(&AXES, &twists);
-        }
-        let jacobian = Matrix3::from_columns(&edges);
-        let origin = centre - (edges[0] + edges[1] + edges[2]) * 0.5;
-        Self { nodes, origin, jacobian, determinant, local, twists, local_volume, affine }
+        Self::in_frame(nodes, Frame::new(edges, None, determinant), twists)
     }
 
-    /// The cell in its own frame.
-    pub(crate) fn frame(&self) -> Frame<'_> {
-        let Self { nodes, origin, jacobian, determinant, local, .. } = self;
-        Frame { first: &nodes[0], origin, jacobian, determinant: *determinant, nodes: local }
+    /// The hexahedron in a frame that needs more digits than plain arithmetic has.
+    #[cold]
+    #[inline(never)]
+    fn compensated(nodes: [Vector3; 8]) -> Self {
+        let modes = modes(|a, b| Pair::difference(&nodes[b], &nodes[a]));
+        let AffinePart { edges, determinant, twists, .. } = AffinePart::new(modes, Pair::cross, Pair::dot);
+        let rest = Some(edges.map(|edge| edge.rest));
+        Self::in_frame(nodes, Frame::new(edges.map(|edge| edge.value), rest, determinant), twists)
+    }
+
+    #[inline(always)]
+    fn in_frame(nodes: [Vector3; 8], frame: Frame<3>, twists: [Vector3; 4]) -> Self {
+        let [b12, b13, b23, b] = &twists;
+        let size = (b12.abs() + b13.abs() + (b23.abs() + b.abs())).sum();
+        // What is not finite has no affine frame.
+        if !(size <= TWIST_AFFINE) {
+            return Self::scaled(nodes);
+        }
+        let mut cell = Self { nodes, frame, local: CUBE, twists, local_volume: 1.0, affine: true };
+        if size > TWIST_NEGLIGIBLE {
+            twist_cube(&mut cell.local, &twists);
+            cell.local_volume += (b12.cross(b13)[0] + b23.cross(b12)[1] + b13.cross(b23)[2]) / 12.0;
+            cell.affine = false;
+        }
+        cell
+    }
+
+    /// The cell moved so that its first node lies in the origin: plane constants are then relative to that node.
+    ///
+    /// What was prepared stays as it is, so that nothing is lost where differences of nodes are rounded.
+    pub fn relative_to_first_node(&self) -> Self {
+        Self { nodes: self.nodes.map(|x| x - self.nodes[0]), ..*self }
     }
 
     /// The frame for cells whose mean edges nearly vanish or fall together: a shift and a length scale.
-    fn scaled(nodes: [Vector3; 8], centre: Vector3) -> Self {
+    #[cold]
+    #[inline(never)]
+    fn scaled(nodes: [Vector3; 8]) -> Self {
+        let centre = 0.125 * nodes.iter().map(|x| x - nodes[0]).sum::<Vector3>();
         let relative = nodes.map(|x| (x - nodes[0]) - centre);
         let extent = relative.iter().map(|x| x.amax()).fold(0.0, f64::max);
         let scale = if extent > 0.0 { extent } else { 1.0 };
         let local = relative.map(|x| x / scale);
-        let (edges, twists) = (mean_edges(&local), twists(&local));
-        Self {
-            nodes,
-            origin: centre,
-            jacobian: Matrix3::identity() * scale,
-            determinant: scale * scale * scale,
-            local,
-            twists,
-            local_volume: volume(&edges, &twists),
-            affine: false,
-        }
+        let (edges, twists) = modes(|a, b| local[b] - local[a]);
+        let local_volume = volume(&edges, &twists);
+        Self { nodes, frame: Frame::scaled(scale), local, twists, local_volume, affine: false }
     }
+
+    /// The nodes in the cell's frame.
+    pub(crate) fn local(&self) -> &[Vector3; 8] {
+        &self.local
+    }
+
+    /// What volumes in the cell's frame are to be multiplied by.
+    pub(crate) fn frame_determinant(&self) -> f64 {
+        self.frame.determinant
+    }
+
+    /// A normal in the cell's frame.
+    #[inline]
+    pub(crate) fn direction(&self, normal: &Vector3) -> Direction<3> {
+        self.frame.along(normal, &self.nodes[0], &self.local[0])
+    }
+}
+
+/// Makes the corners `y` of the unit cube `y + b12 c1 c2 + b13 c1 c3 + b23 c2 c3 + b c1 c2 c3` with `c = y - 1/2`.
+#[inline(always)]
+fn twist_cube(cube: &mut [Vector3; 8], [b12, b13, b23, b]: &[Vector3; 4]) {
+    let (flat, cubic) = (b12 * 0.25, b * 0.125);
+    let (lower, upper) = (flat - cubic, flat + cubic);
+    let (even, odd) = ((b13 + b23) * 0.25, (b13 - b23) * 0.25);
+    cube[0] += lower + even;
+    cube[1] -= lower + odd;
+    cube[2] += lower - even;
+    cube[3] -= lower - odd;
+    cube[4] += upper - even;
+    cube[5] -= upper - odd;
+    cube[6] += upper + even;
+    cube[7] -= upper + odd;
 }
 
 /// The corners of the unit cube, in node order.
@@ -138,10 +204,6 @@ const CUBE: [Vector3; 8] = {
     }
     corners
 };
-
-/// The mean edges of the unit cube.
-const AXES: [Vector3; 3] =
-    [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0)];
 
 /// The volume of a trilinear cell with mean edges `j` and second-order twists `b` along (xi eta, xi zeta, eta zeta): the
 /// Jacobian determinant about the centre, in which all odd powers integrate to zero,
@@ -174,7 +236,7 @@ impl Cell<3> for Hexahedron {
     }
 
     fn volume(&self) -> f64 {
-        self.determinant * self.local_volume
+        self.frame.determinant * self.local_volume
     }
 
     fn is_affine(&self) -> bool {
@@ -194,11 +256,11 @@ impl Cell<3> for Hexahedron {
     }
 
     fn mean_edge(&self, axis: usize) -> Vector3 {
-        mean_edges(&self.nodes)[axis]
+        modes(|a, b| self.nodes[b] - self.nodes[a]).0[axis]
     }
 
     fn physical_gradient(&self, logical: &Vector3) -> Vector3 {
-        let [j1, j2, j3] = mean_edges(&self.nodes);
+        let ([j1, j2, j3], _) = modes(|a, b| self.nodes[b] - self.nodes[a]);
         let determinant = j1.dot(&j2.cross(&j3));
         (j2.cross(&j3) * logical[0] + j3.cross(&j1) * logical[1] + j1.cross(&j2) * logical[2]) / determinant
     }
@@ -209,19 +271,27 @@ impl Cell<3> for Hexahedron {
     }
 
     fn truncate(&self, half_space: &HalfSpace<3>) -> Truncation {
-        let along = Along::new(self, &half_space.normal);
-        let Value { value, derivative } = along.volume(along.depth(half_space.constant));
-        Truncation {
-            volume: self.determinant * value,
-            section_area: self.determinant * (derivative / along.size),
+        if self.affine {
+            let along = Affine::new(self.direction(&half_space.normal));
+            let part = along.volume(along.depth(half_space.constant));
+            return self.frame.truncation(part, &along.direction);
         }
+        let along = Along::new(self, &half_space.normal);
+        let part = along.volume(along.depth(half_space.constant));
+        self.frame.truncation(part, &along.direction)
     }
 
     fn first_moment_about(&self, half_space: &HalfSpace<3>, point: &Vector3) -> Vector3 {
         let along = Along::new(self, &half_space.normal);
         let part = along.moment(along.depth(half_space.constant));
-        let origin = (self.nodes[0] - point) + self.origin;
-        (origin * part.volume + self.jacobian * part.first) * self.determinant
+        let about_first = self.frame.jacobian * (part.first - self.local[0] * part.volume);
+        ((self.nodes[0] - point) * part.volume + about_first) * self.frame.determinant
+    }
+
+    fn section_centroid(&self, half_space: &HalfSpace<3>) -> Option<Vector3> {
+        let along = Along::new(self, &half_space.normal);
+        let centroid = along.section_centroid(along.depth(half_space.constant))?;
+        Some(self.nodes[0] + self.frame.jacobian * (centroid - self.local[0]))
     }
 
     fn plane_constant(
@@ -232,9 +302,14 @@ impl Cell<3> for Hexahedron {
     ) -> Result<PlaneConstant, PositionError> {
         plane_constant::check(normal.as_slice(), fraction, self.volume())?;
         plane_constant::from_smaller_part(fraction, |sign, fraction| {
+            if self.affine {
+                let along = Affine::new(self.direction(&(normal * sign)));
+                let found = plane_constant::find(&along, fraction, method)?;
+                return Ok(found.with(sign * along.constant(found.constant), sign));
+            }
             let along = Along::new(self, &(normal * sign));
             let found = plane_constant::find(&Profile::new(&along), fraction, method)?;
-            Ok(found.with(along.constant(found.constant, sign), sign))
+            Ok(found.with(sign * along.constant(found.constant), sign))
         })
     }
 
@@ -259,7 +334,7 @@ impl Cell<3> for Hexahedron {
     }
 
     fn defects(&self) -> Vec<Defect> {
-        defects::of_hexahedron(&self.nodes, self.volume(), &self.local, self.determinant.signum())
+        defects::of_hexahedron(&self.nodes, self.volume(), &self.local, self.frame.determinant.signum())
     }
 }
 
@@ -276,7 +351,7 @@ impl Hexahedron {
         let twist = |without: usize| &self.twists[[2, 1, 0][without]];
         let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
         let (b_ij, b_ik, b_jk) = (twist(k), twist(j), twist(axis));
-        let edges = mean_edges(&self.local);
+        let (edges, _) = modes(|a, b| self.local[b] - self.local[a]);
         let p = edges[j] + b_ij * c;
         let q = edges[k] + b_ik * c;
         let r = b_jk + self.twists[3] * c;

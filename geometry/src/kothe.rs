@@ -46,12 +46,11 @@ pub struct KotheTruncation {
 
 /// The volume of the part of the cell inside the half-space by Eq. 96, with the fall-back where that fails.
 pub fn truncate(cell: &Hexahedron, half_space: &HalfSpace<3>) -> KotheTruncation {
-    let frame = cell.frame();
-    let direction = frame.along(&half_space.normal);
+    let (local, direction) = (cell.local(), cell.direction(&half_space.normal));
     // A normal of zero leaves everything or nothing.
     let length = direction.m.norm().max(f64::MIN_POSITIVE);
     let (normal, d) = (direction.m / length, direction.level(half_space.constant) / length);
-    let heights = frame.nodes.map(|x| normal.dot(&x));
+    let heights = local.map(|x| normal.dot(&x));
     let mut sum = KotheTruncation { volume: 0.0, fallback_faces: 0, largest_w: 0.0 };
     let above = heights.iter().filter(|&&mu| mu > d).count();
     if above == 8 {
@@ -61,7 +60,7 @@ pub fn truncate(cell: &Hexahedron, half_space: &HalfSpace<3>) -> KotheTruncation
     // Relative to a point of the plane. One that misses the cell may be far away, and any point will do.
     let point = if above > 0 { normal * d } else { Vector3::zeros() };
     for nodes in Hexahedron::FACE_NODES {
-        let x: [Vector3; 4] = std::array::from_fn(|i| frame.nodes[nodes[i]] - point);
+        let x: [Vector3; 4] = std::array::from_fn(|i| local[nodes[i]] - point);
         if above == 0 {
             sum.volume += cone([0, 1, 2, 3].map(|i| &x[i]));
             continue;
@@ -78,7 +77,7 @@ pub fn truncate(cell: &Hexahedron, half_space: &HalfSpace<3>) -> KotheTruncation
             }
         }
     }
-    KotheTruncation { volume: frame.determinant * sum.volume, ..sum }
+    KotheTruncation { volume: cell.frame_determinant() * sum.volume, ..sum }
 }
 
 /// A third of `int x.dGamma` over a ruled face, the volume between face and origin (Eq. 22).

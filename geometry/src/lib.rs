@@ -13,7 +13,8 @@
 //!
 //! Read in this order: [`half_space`], [`cell`], [`quad`], [`hexahedron`], [`ruled_face`], [`hyperbola`],
 //! [`second_moments`], [`parallelepiped`], [`plane_constant`], [`section`], [`defects`], [`tolerance`]; and, for comparison
-//! with the exact truncation, [`method`], [`kothe`], [`submesh`].
+//! with the exact truncation, [`method`], [`kothe`], [`submesh`]. What is private is told in `frame` (the cell's own affine
+//! frame), `compensated` (its digits on rotated slivers), `affine`, `face_part`, `moment` and `centroid`.
 //!
 //! Checking and computing are apart: [`Cell::defects`] lists everything that is wrong with a cell, all other
 //! calls trust their input and return the algebraic (winding) volume of whatever they are given.
@@ -34,7 +35,10 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod affine;
 pub mod cell;
+mod centroid;
+mod compensated;
 pub mod defects;
 mod face_part;
 mod frame;

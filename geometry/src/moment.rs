@@ -74,7 +74,10 @@ pub(crate) fn of_hexahedron(y: &[Vector3; 8], m: &Vector3, s: &[f64; 8]) -> Part
         let (mut sum, mut sums) = (0.0, Vector3::zeros());
         for face in Hexahedron::FACE_NODES {
             face_part([0, 1, 2, 3].map(|i| s[face[i]]), |first, sign, k| {
-                let (part, parts) = integrals([0, 1, 2, 3].map(|i| y[face[(first + i) & 3]] - p), k);
+                let z = [0, 1, 2, 3].map(|i| y[face[(first + i) & 3]] - p);
+                let SurfaceElement { q0, q_alpha, q_beta, nu } = surface_element(&z);
+                let density = [z[0].dot(&q0), z[0].dot(&q_alpha), z[0].dot(&q_beta), -nu];
+                let (part, parts) = integrals(&z, density, k);
                 sum += sign * part;
                 sums += parts * sign;
             });
@@ -89,13 +92,7 @@ pub(crate) fn of_quad(y: &[Vector2; 4], m: &Vector2, s: &[f64; 4]) -> PartMoment
         let (mut sum, mut sums) = (0.0, Vector2::zeros());
         for face in Quad::FACE_NODES {
             let (a, b) = (face[0], face[1]);
-            // Length and middle of the part of the edge's parameter that is inside.
-            let (length, middle) = match (s[a] <= 0.0, s[b] <= 0.0) {
-                (false, false) => continue,
-                (true, true) => (1.0, 0.5),
-                (true, false) => (s[a] / (s[a] - s[b]), 0.5 * s[a] / (s[a] - s[b])),
-                (false, true) => (s[b] / (s[b] - s[a]), 1.0 - 0.5 * s[b] / (s[b] - s[a])),
-            };
+            let Some((length, middle)) = edge_part([s[a], s[b]]) else { continue };
             let (z, edge) = (y[a] - p, y[b] - y[a]);
             let part = length * z.perp(&edge);
             sum += part;
@@ -105,15 +102,25 @@ pub(crate) fn of_quad(y: &[Vector2; 4], m: &Vector2, s: &[f64; 4]) -> PartMoment
     })
 }
 
+/// Length and middle of the part of an edge's parameter where the height is not positive.
+pub(crate) fn edge_part([s_a, s_b]: [f64; 2]) -> Option<(f64, f64)> {
+    match (s_a <= 0.0, s_b <= 0.0) {
+        (false, false) => None,
+        (true, true) => Some((1.0, 0.5)),
+        (true, false) => Some((s_a / (s_a - s_b), 0.5 * s_a / (s_a - s_b))),
+        (false, true) => Some((s_b / (s_b - s_a), 1.0 - 0.5 * s_b / (s_b - s_a))),
+    }
+}
+
 /// Moments `K[n][m]` of `alpha^n beta^m` over a part of a face.
-type FaceMoments = [[f64; 3]; 3];
+pub(crate) type FaceMoments = [[f64; 3]; 3];
 
 const WHOLE_FACE: FaceMoments =
     [[1.0, 0.5, 1.0 / 3.0], [0.5, 0.25, 1.0 / 6.0], [1.0 / 3.0, 1.0 / 6.0, 1.0 / 9.0]];
 
 /// Hands the part of a face with `s <= 0` to `add` as signed pieces: the corner to count the face from, the sign,
 /// and the moments in the parametrisation that starts there.
-fn face_part(s: [f64; 4], mut add: impl FnMut(usize, f64, &FaceMoments)) {
+pub(crate) fn face_part(s: [f64; 4], mut add: impl FnMut(usize, f64, &FaceMoments)) {
     let pieces = pieces(&s);
     let complement = pieces.iter().flatten().any(|(_, inside)| !inside);
     if complement || s.iter().all(|&s| s <= 0.0) {
@@ -173,15 +180,20 @@ fn strip_moments([s1, s2, s3, s4]: [f64; 4]) -> FaceMoments {
     })
 }
 
-/// The integrals of `z.dGamma` and `z (z.dGamma)` over the part of a ruled face with these moments.
-fn integrals(z: [Vector3; 4], k: &FaceMoments) -> (f64, Vector3) {
-    let SurfaceElement { q0, q_alpha, q_beta, nu } = SurfaceElement::new([&z[0], &z[1], &z[2], &z[3]]);
-    let (c0, c_alpha, c_beta) = (z[0].dot(&q0), z[0].dot(&q_alpha), z[0].dot(&q_beta));
+/// The surface element of the face through four points.
+pub(crate) fn surface_element(z: &[Vector3; 4]) -> SurfaceElement {
+    SurfaceElement::new([&z[0], &z[1], &z[2], &z[3]])
+}
+
+/// The integrals of a density `c0 + c_alpha alpha + c_beta beta + c_both alpha beta`, and of `z` times it, over the part
+/// of the parameters of the face through four points that has these moments.
+pub(crate) fn integrals(z: &[Vector3; 4], density: [f64; 4], k: &FaceMoments) -> (f64, Vector3) {
+    let [c0, c_alpha, c_beta, c_both] = density;
     let weighted = |n: usize, m: usize| {
-        c0 * k[n][m] + c_alpha * k[n + 1][m] + c_beta * k[n][m + 1] - nu * k[n + 1][m + 1]
+        c0 * k[n][m] + c_alpha * k[n + 1][m] + c_beta * k[n][m + 1] + c_both * k[n + 1][m + 1]
     };
     let (e, g) = (z[1] - z[0], z[3] - z[0]);
     let t = (z[2] - z[3]) - e;
-    let first = weighted(0, 0);
-    (first, z[0] * first + e * weighted(1, 0) + g * weighted(0, 1) + t * weighted(1, 1))
+    let whole = weighted(0, 0);
+    (whole, z[0] * whole + e * weighted(1, 0) + g * weighted(0, 1) + t * weighted(1, 1))
 }

@@ -10,15 +10,17 @@
 //! where the edge from `a` to `b` is inside between its parameters `t0` and `t1`; the edge along the line gives nothing.
 //! The area is a quadratic in the plane constant between the heights of two nodes, so the inverse is a closed form.
 
-use nalgebra::Matrix2;
+use std::ops::{Add, Mul, Sub};
 
+use crate::affine::Affine;
 use crate::cell::{Cell, Truncation};
-use crate::half_space::{compensated_dot, compensated_height, largest_and_direction};
+use crate::compensated::Pair;
+use crate::frame::{Direction, Frame, is_ill_conditioned};
 use crate::parallelepiped::UnitCube;
 use crate::plane_constant::{self, Monotone, PlaneConstant, PositionError, PositionMethod};
 use crate::root::Value;
 use crate::tolerance::{TWIST_AFFINE, TWIST_NEGLIGIBLE};
-use crate::{Defect, HalfSpace, Vector, defects, moment, section};
+use crate::{Defect, HalfSpace, Vector, centroid, defects, moment, section};
 
 type Vector2 = Vector<2>;
 
@@ -26,18 +28,26 @@ type Vector2 = Vector<2>;
 #[derive(Clone, Copy, Debug)]
 pub struct Quad {
     nodes: [Vector2; 4],
-    /// The frame's origin, relative to the first node.
-    origin: Vector2,
-    jacobian: Matrix2<f64>,
-    determinant: f64,
+    frame: Frame<2>,
     /// The nodes in the affine frame.
     local: [Vector2; 4],
     local_area: f64,
     affine: bool,
 }
 
-fn mean_edges(x: &[Vector2; 4]) -> [Vector2; 2] {
-    [0.5 * ((x[1] - x[0]) + (x[2] - x[3])), 0.5 * ((x[3] - x[0]) + (x[2] - x[1]))]
+/// The mean edges and the twist of a bilinear map, from the edges between pairs of nodes.
+fn modes<T>(edge: impl Fn(usize, usize) -> T) -> ([T; 2], T)
+where
+    T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>,
+{
+    let (lower, upper, left, right) = (edge(0, 1), edge(3, 2), edge(0, 3), edge(1, 2));
+    ([(lower + upper) * 0.5, (left + right) * 0.5], upper - lower)
+}
+
+/// The determinant of the mean edges, and the twist in their frame: not finite where the determinant vanishes.
+fn affine_part<T>([j1, j2]: &[T; 2], twist: &T, cross: impl Fn(&T, &T) -> f64) -> (f64, Vector2) {
+    let determinant = cross(j1, j2);
+    (determinant, Vector2::new(cross(twist, j2), cross(j1, twist)) / determinant)
 }
 
 fn cross(a: &Vector2, b: &Vector2) -> f64 {
@@ -47,67 +57,75 @@ fn cross(a: &Vector2, b: &Vector2) -> f64 {
 impl Quad {
     /// The quadrilateral with these nodes, counter-clockwise.
     pub fn new(nodes: [Vector2; 4]) -> Self {
-        let [j1, j2] = mean_edges(&nodes);
-        let determinant = cross(&j1, &j2);
-        let centre = 0.25 * nodes.iter().map(|x| x - nodes[0]).sum::<Vector2>();
-        let raw = (nodes[2] - nodes[3]) - (nodes[1] - nodes[0]);
-        let twist = Vector2::new(cross(&raw, &j2), cross(&j1, &raw)) / determinant;
-        if !(twist.amax() <= TWIST_AFFINE && twist.iter().all(|c| c.is_finite())) {
-            return Self::scaled(nodes, centre);
+        let (edges, twist) = modes(|a, b| nodes[b] - nodes[a]);
+        let (determinant, twist) = affine_part(&edges, &twist, cross);
+        let [j1, j2] = &edges;
+        if is_ill_conditioned(
+            &edges,
+            &[Vector2::new(j2[1], -j2[0]), Vector2::new(-j1[1], j1[0])],
+            determinant,
+        ) {
+            return Self::compensated(nodes);
         }
-        let affine = twist.amax() <= TWIST_NEGLIGIBLE;
+        Self::in_frame(nodes, Frame::new(edges, None, determinant), &twist)
+    }
+
+    /// The quadrilateral in a frame that needs more digits than plain arithmetic has.
+    #[cold]
+    fn compensated(nodes: [Vector2; 4]) -> Self {
+        let (edges, twist) = modes(|a, b| Pair::difference(&nodes[b], &nodes[a]));
+        let (determinant, twist) = affine_part(&edges, &twist, Pair::perp);
+        let rest = Some(edges.map(|edge| edge.rest));
+        Self::in_frame(nodes, Frame::new(edges.map(|edge| edge.value), rest, determinant), &twist)
+    }
+
+    #[inline(always)]
+    fn in_frame(nodes: [Vector2; 4], frame: Frame<2>, twist: &Vector2) -> Self {
+        let size = twist.abs().sum();
+        // What is not finite has no affine frame.
+        if !(size <= TWIST_AFFINE) {
+            return Self::scaled(nodes);
+        }
+        let affine = size <= TWIST_NEGLIGIBLE;
         let local = std::array::from_fn(|i| {
             let y = Vector2::from_fn(|axis, _| Self::OFFSETS[i][axis] as f64);
             if affine { y } else { y + twist * ((y[0] - 0.5) * (y[1] - 0.5)) }
         });
-        let jacobian = Matrix2::from_columns(&[j1, j2]);
-        let origin = centre - jacobian * Vector2::repeat(0.5);
-        Self { nodes, origin, jacobian, determinant, local, local_area: 1.0, affine }
+        Self { nodes, frame, local, local_area: 1.0, affine }
     }
 
     /// The frame for cells whose mean edges nearly vanish or fall together: a shift and a length scale.
-    fn scaled(nodes: [Vector2; 4], centre: Vector2) -> Self {
+    #[cold]
+    fn scaled(nodes: [Vector2; 4]) -> Self {
+        let centre = 0.25 * nodes.iter().map(|x| x - nodes[0]).sum::<Vector2>();
         let relative = nodes.map(|x| (x - nodes[0]) - centre);
         let extent = relative.iter().map(|x| x.amax()).fold(0.0, f64::max);
         let scale = if extent > 0.0 { extent } else { 1.0 };
         let local = relative.map(|x| x / scale);
-        Self {
-            nodes,
-            origin: centre,
-            jacobian: Matrix2::identity() * scale,
-            determinant: scale * scale,
-            local,
-            local_area: 0.5 * cross(&(local[2] - local[0]), &(local[3] - local[1])),
-            affine: false,
-        }
+        let local_area = 0.5 * cross(&(local[2] - local[0]), &(local[3] - local[1]));
+        Self { nodes, frame: Frame::scaled(scale), local, local_area, affine: false }
+    }
+
+    /// A normal in the cell's frame.
+    fn direction(&self, normal: &Vector2) -> Direction<2> {
+        self.frame.along(normal, &self.nodes[0], &self.local[0])
     }
 
     /// The cell as its function area(depth) along one normal, in the affine frame.
     fn along(&self, normal: &Vector2) -> Along<'_> {
-        let (size, m) = largest_and_direction(&self.jacobian.tr_mul(normal));
-        let mut heights = self.local.map(|y| m.dot(&y));
+        let direction = self.direction(normal);
+        let mut heights = self.local.map(|y| direction.m.dot(&y));
         let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
         heights.iter_mut().for_each(|h| *h -= low);
-        let base = compensated_dot(normal, &self.nodes[0]);
-        let offset = normal.dot(&self.origin);
-        Along { cell: self, size, m, cube: UnitCube::new(m.as_slice()), base, offset, low, heights }
+        Along { cell: self, direction, low, heights }
     }
 }
 
-/// A quadrilateral along one normal, in its affine frame: heights of the nodes over the lowest of them, in
-/// units of `size`.
+/// A quadrilateral along one normal, in its affine frame: heights of the nodes over the lowest of them.
 struct Along<'a> {
     cell: &'a Quad,
-    /// Largest component of `J^T n`, the unit of all heights and depths here.
-    size: f64,
-    /// `m = J^T n / size`.
-    m: Vector2,
-    /// The cell without its twist, along the same normal.
-    cube: UnitCube,
-    /// `n.x` of the first node.
-    base: [f64; 2],
-    /// `n.x` of the frame's origin over the first node.
-    offset: f64,
+    /// The normal in the frame; its size is the unit of all heights and depths here.
+    direction: Direction<2>,
     /// `m.y` of the lowest node.
     low: f64,
     heights: [f64; 4],
@@ -123,9 +141,6 @@ impl Monotone for Along<'_> {
     }
 
     fn volume(&self, depth: f64) -> Value {
-        if self.cell.affine {
-            return self.cube.volume(depth);
-        }
         let s = self.heights.map(|h| h - depth);
         let inside = s.iter().filter(|&&s| s <= 0.0).count();
         match inside {
@@ -140,13 +155,11 @@ impl Monotone for Along<'_> {
     }
 
     fn start(&self, fraction: f64) -> f64 {
-        self.cube.position(fraction).0 * (self.span() / self.cube.span())
+        let cube = UnitCube::new(self.direction.m.as_slice());
+        cube.position(fraction).0 * (self.span() / cube.span())
     }
 
     fn closed_form(&self, fraction: f64) -> Option<(f64, usize)> {
-        if self.cell.affine {
-            return Some(self.cube.position(fraction));
-        }
         let target = fraction * self.cell.local_area;
         let mut levels = self.heights;
         levels.sort_unstable_by(f64::total_cmp);
@@ -173,20 +186,21 @@ impl Monotone for Along<'_> {
 impl Along<'_> {
     /// The depth of a plane over the lowest node.
     fn depth(&self, constant: f64) -> f64 {
-        -compensated_height(self.base, self.offset, constant) / self.size - self.low
+        self.direction.level(constant) - self.low
     }
 
-    /// The plane constant of a depth, for the normal along which this is times `sign`.
-    fn constant(&self, depth: f64, sign: f64) -> f64 {
-        sign * (self.base[0] + (self.base[1] + (self.offset + (self.low + depth) * self.size)))
+    /// The plane constant of a depth.
+    fn constant(&self, depth: f64) -> f64 {
+        self.direction.constant(self.low + depth)
     }
 
     /// Area and section where the heights `s` over a line with normal `sign m` are not positive.
     fn lower_part(&self, s: &[f64; 4], sign: f64) -> Value {
         let y = &self.cell.local;
-        let m2 = self.m.norm_squared();
+        let m = &self.direction.m;
+        let m2 = m.norm_squared();
         let lowest = (1..4).fold(0, |best, i| if s[i] < s[best] { i } else { best });
-        let p = y[lowest] - self.m * (sign * s[lowest] / m2);
+        let p = y[lowest] - m * (sign * s[lowest] / m2);
         let mut double = 0.0;
         let mut k = Vector2::zeros();
         for a in 0..4 {
@@ -201,7 +215,7 @@ impl Along<'_> {
             double += part * cross(&(y[a] - p), &edge);
             k += Vector2::new(edge[1], -edge[0]) * part;
         }
-        Value { value: 0.5 * double, derivative: -sign * self.m.dot(&k) / m2 }
+        Value { value: 0.5 * double, derivative: -sign * m.dot(&k) / m2 }
     }
 }
 
@@ -226,7 +240,7 @@ impl Cell<2> for Quad {
     }
 
     fn volume(&self) -> f64 {
-        self.determinant * self.local_area
+        self.frame.determinant * self.local_area
     }
 
     fn is_affine(&self) -> bool {
@@ -247,11 +261,11 @@ impl Cell<2> for Quad {
     }
 
     fn mean_edge(&self, axis: usize) -> Vector2 {
-        mean_edges(&self.nodes)[axis]
+        modes(|a, b| self.nodes[b] - self.nodes[a]).0[axis]
     }
 
     fn physical_gradient(&self, logical: &Vector2) -> Vector2 {
-        let [j1, j2] = mean_edges(&self.nodes);
+        let ([j1, j2], _) = modes(|a, b| self.nodes[b] - self.nodes[a]);
         (Vector2::new(j2[1], -j2[0]) * logical[0] + Vector2::new(-j1[1], j1[0]) * logical[1])
             / cross(&j1, &j2)
     }
@@ -262,20 +276,29 @@ impl Cell<2> for Quad {
     }
 
     fn truncate(&self, half_space: &HalfSpace<2>) -> Truncation {
-        let along = self.along(&half_space.normal);
-        let Value { value, derivative } = along.volume(along.depth(half_space.constant));
-        Truncation {
-            volume: self.determinant * value,
-            section_area: self.determinant * (derivative / along.size),
+        if self.affine {
+            let along = Affine::new(self.direction(&half_space.normal));
+            let part = along.volume(along.depth(half_space.constant));
+            return self.frame.truncation(part, &along.direction);
         }
+        let along = self.along(&half_space.normal);
+        let part = along.volume(along.depth(half_space.constant));
+        self.frame.truncation(part, &along.direction)
     }
 
     fn first_moment_about(&self, half_space: &HalfSpace<2>, point: &Vector2) -> Vector2 {
         let along = self.along(&half_space.normal);
         let depth = along.depth(half_space.constant);
-        let part = moment::of_quad(&self.local, &along.m, &along.heights.map(|h| h - depth));
-        let origin = (self.nodes[0] - point) + self.origin;
-        (origin * part.volume + self.jacobian * part.first) * self.determinant
+        let part = moment::of_quad(&self.local, &along.direction.m, &along.heights.map(|h| h - depth));
+        let about_first = self.frame.jacobian * (part.first - self.local[0] * part.volume);
+        ((self.nodes[0] - point) * part.volume + about_first) * self.frame.determinant
+    }
+
+    fn section_centroid(&self, half_space: &HalfSpace<2>) -> Option<Vector2> {
+        let along = self.along(&half_space.normal);
+        let depth = along.depth(half_space.constant);
+        let centroid = centroid::of_quad(&self.local, &along.direction.m, &along.heights.map(|h| h - depth))?;
+        Some(self.nodes[0] + self.frame.jacobian * (centroid - self.local[0]))
     }
 
     fn plane_constant(
@@ -286,9 +309,14 @@ impl Cell<2> for Quad {
     ) -> Result<PlaneConstant, PositionError> {
         plane_constant::check(normal.as_slice(), fraction, self.volume())?;
         plane_constant::from_smaller_part(fraction, |sign, fraction| {
+            if self.affine {
+                let along = Affine::new(self.direction(&(normal * sign)));
+                let found = plane_constant::find(&along, fraction, method)?;
+                return Ok(found.with(sign * along.constant(found.constant), sign));
+            }
             let along = self.along(&(normal * sign));
             let found = plane_constant::find(&along, fraction, method)?;
-            Ok(found.with(along.constant(found.constant, sign), sign))
+            Ok(found.with(sign * along.constant(found.constant), sign))
         })
     }
 

@@ -17,7 +17,6 @@
 //! coordinates to that with the highest, the same one for both cells of a structured mesh.
 
 use crate::cell::{Cell, Truncation};
-use crate::frame::Frame;
 use crate::parallelepiped::UnitCube;
 use crate::plane_constant::{self, Monotone, PlaneConstant, PositionError, PositionMethod};
 use crate::root::Value;
@@ -95,20 +94,18 @@ fn with_middles(nodes: &[Vector3; 8]) -> [Vector3; POINTS] {
 
 /// The volume of the polyhedron.
 pub fn volume(cell: &Hexahedron, triangulation: Triangulation) -> f64 {
-    let frame = cell.frame();
-    frame.determinant * Polyhedron::new(&frame, triangulation).volume
+    cell.frame_determinant() * Polyhedron::new(cell, triangulation).volume
 }
 
 /// What a plane leaves of the polyhedron.
 pub fn truncate(cell: &Hexahedron, half_space: &HalfSpace<3>, triangulation: Triangulation) -> Truncation {
-    let frame = cell.frame();
-    let direction = frame.along(&half_space.normal);
-    let polyhedron = Polyhedron::new(&frame, triangulation);
+    let direction = cell.direction(&half_space.normal);
+    let polyhedron = Polyhedron::new(cell, triangulation);
     let Value { value, derivative } =
         polyhedron.along(&direction.m).below(direction.level(half_space.constant));
     Truncation {
-        volume: frame.determinant * value,
-        section_area: frame.determinant * (derivative / direction.size),
+        volume: cell.frame_determinant() * value,
+        section_area: cell.frame_determinant() * (derivative * direction.per_size),
     }
 }
 
@@ -125,15 +122,14 @@ pub fn plane_constant(
     fraction: f64,
     triangulation: Triangulation,
 ) -> Result<PlaneConstant, PositionError> {
-    let frame = cell.frame();
-    let polyhedron = Polyhedron::new(&frame, triangulation);
-    plane_constant::check(normal.as_slice(), fraction, frame.determinant * polyhedron.volume)?;
+    let polyhedron = Polyhedron::new(cell, triangulation);
+    plane_constant::check(normal.as_slice(), fraction, cell.frame_determinant() * polyhedron.volume)?;
     plane_constant::from_smaller_part(fraction, |sign, fraction| {
-        let direction = frame.along(&(normal * sign));
+        let direction = cell.direction(&(normal * sign));
         let cube = UnitCube::new(direction.m.as_slice());
         let along = Positioned { along: polyhedron.along(&direction.m), cube };
         let found = plane_constant::find(&along, fraction, PositionMethod::Newton)?;
-        Ok(found.with(direction.constant(along.along.low + found.constant, sign), sign))
+        Ok(found.with(sign * direction.constant(along.along.low + found.constant), sign))
     })
 }
 
@@ -145,8 +141,8 @@ struct Polyhedron {
 }
 
 impl Polyhedron {
-    fn new(frame: &Frame<'_>, triangulation: Triangulation) -> Self {
-        let points = with_middles(frame.nodes);
+    fn new(cell: &Hexahedron, triangulation: Triangulation) -> Self {
+        let points = with_middles(cell.local());
         let triangles = triangulation.triangles();
         let six_times = triangles.iter().map(|&[a, b, c]| points[a].dot(&points[b].cross(&points[c])));
         Self { points, triangles, volume: six_times.sum::<f64>() / 6.0 }

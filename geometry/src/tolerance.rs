@@ -1,12 +1,19 @@
 //! Every threshold of the kernel, each dimensionless and with its reason.
 
-/// A twist of a cell, relative to its mean edges, that is counted as none: it changes no volume by more than
-/// rounding does. Without it a mesh of exact boxes whose coordinates were rounded would miss the closed forms.
-pub const TWIST_NEGLIGIBLE: f64 = 2.0 * f64::EPSILON;
+/// The twists of a cell, summed over components relative to its mean edges, that count as none: they change no volume
+/// by more than rounding does. Without it a mesh of exact boxes whose coordinates were rounded would miss the closed forms.
+pub const TWIST_NEGLIGIBLE: f64 = 4.0 * f64::EPSILON;
 
-/// The largest twist, relative to the mean edges, for which the affine frame is used. Valid cells stay below 4;
-/// bow-ties and folded swept regions have mean edges that nearly vanish, and dividing by them would lose digits.
-pub const TWIST_AFFINE: f64 = 16.0;
+/// The largest twists, summed over components relative to the mean edges, for which the affine frame is used. Each of
+/// the twelve components stays below 4 in valid cells; bow-ties and folded swept regions have mean edges that nearly
+/// vanish, and dividing by them would lose digits.
+pub const TWIST_AFFINE: f64 = 48.0;
+
+/// Condition of a cell's frame, the sum of the elements of `|J^-1| |J|`, above which it is computed with compensated
+/// arithmetic. Plain arithmetic loses this factor: without it, 5e-11 of the volume of a sliver of 1e-6 that is
+/// rotated, 1e-7 of a needle's. Boxes along the axes are at 3, strongly distorted cells below 10; slivers and needles pass
+/// it when rotated, from an aspect of about 1/15.
+pub const FRAME_CONDITION: f64 = 32.0;
 
 /// Residual of a plane constant relative to the smaller of the two parts: the rounding of a truncated volume.
 /// Smaller, and the iteration would chase noise.
