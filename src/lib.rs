@@ -9,7 +9,8 @@
 //! 5. [`advection`]: fractions a step later, with a ledger of what was done;
 //! 6. [`metrics`]: numbers that judge a result; [`export`]: files for viewers.
 //!
-//! With the feature `cli`, `scene` reads scene files, `run` runs them, `report` sums up, and `cli` is the command line `vofkit`.
+//! With the feature `cli`, `scene` reads scene files, `run` runs them, `report` sums up, `kernel` takes tables of cells and planes
+//! through the geometry kernel, and `cli` is the command line `vofkit`.
 //! Numerics never look at these. Two and three dimensions are one code, generic over the dimension `D` and the type of
 //! [cell](geometry::Cell).
 //!
@@ -33,6 +34,8 @@ pub mod export;
 pub mod facet;
 pub mod fractions;
 pub mod interface;
+#[cfg(feature = "cli")]
+pub mod kernel;
 pub mod mesh;
 pub mod metrics;
 pub mod normal;
@@ -44,6 +47,7 @@ pub mod run;
 #[cfg(feature = "cli")]
 pub mod scene;
 pub mod shape;
+mod space;
 pub mod tolerance;
 pub mod velocity;
 

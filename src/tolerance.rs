@@ -1,5 +1,5 @@
-//! Every threshold of the toolkit, each dimensionless and with its reason. Those of the cells are in
-//! [`vofkit_geometry::tolerance`].
+//! Every threshold of the numerics, each dimensionless and with its reason. Those of the cells are in
+//! [`vofkit_geometry::tolerance`], those of the integrals over shapes with these in `fractions`.
 
 /// Fluxes are multiples of the largest edge integral over two to this power: below its rounding, and sums of a cell's
 /// fluxes still fit into the 53 bits of a double.
@@ -28,3 +28,7 @@ pub const FRAGMENT_FRACTION: f64 = 1e-6;
 
 /// A fragment counts where it holds more than this part of the material.
 pub const FRAGMENT_VOLUME: f64 = 1e-4;
+
+/// Cell volumes and edge integrals of potentials outside this range are refused: their products, quotients and roundings would
+/// over- or underflow.
+pub const RANGE: std::ops::RangeInclusive<f64> = 1e-250..=1e250;

@@ -13,4 +13,4 @@ pub mod transport;
 
 pub use boundary::{Boundary, End, WallCrossed};
 pub use ledger::{Ledger, MaterialLedger};
-pub use transport::{Settings, StepError, SweepAxes, Transport};
+pub use transport::{Settings, SetupError, StepError, SweepAxes, Transport};

@@ -16,6 +16,7 @@ use vofkit_geometry::{Cell, Vector};
 use super::boundary::{Boundary, End};
 use crate::mesh::Mesh;
 use crate::parallel;
+use crate::space::{planar, spatial};
 use crate::tolerance::SWEPT_VOLUME_RATIO;
 use crate::velocity::{Field, StepFluxes};
 
@@ -30,10 +31,7 @@ impl<const D: usize> NodalMotion<D> {
     pub(super) fn new<C: Cell<D>>(mesh: &Mesh<C, D>, field: &Field) -> Self {
         let nodes = mesh.nodes();
         let at_node = |value: &(dyn Fn(&Vector<3>) -> Vector<3> + Sync)| {
-            parallel::map(nodes.len(), |i| {
-                let value = value(&Vector::from_fn(|k, _| if k < D { nodes[i][k] } else { 0.0 }));
-                Vector::from_fn(|k, _| value[k])
-            })
+            parallel::map(nodes.len(), |i| planar(&value(&spatial(&nodes[i]))))
         };
         Self { velocity: at_node(&|x| field.velocity(x)), acceleration: at_node(&|x| field.acceleration(x)) }
     }

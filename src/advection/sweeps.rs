@@ -119,7 +119,8 @@ impl<C: Cell<D>, const D: usize> Sweep<'_, C, D> {
             for face in motion.faces(self.axis).filter(|&face| outward[face] > 0.0) {
                 let flux = outward[face];
                 given[face * fractions.len() + material] = match (&placed, &cell) {
-                    (Placed::Plane { half_space, .. }, Some(cell)) => {
+                    // Only with overdraft there may be nothing left to give from.
+                    (Placed::Plane { half_space, .. }, Some(cell)) if tracked > 0.0 => {
                         giving.cut += 1;
                         let wanted = (flux * (volume / tracked)).min(volume);
                         let region = motion.region(self.axis, cell, offset, face, wanted);
@@ -129,6 +130,10 @@ impl<C: Cell<D>, const D: usize> Sweep<'_, C, D> {
                     _ => fraction * flux,
                 };
             }
+        }
+        if fractions.len() > 1 && tracked > 0.0 {
+            let held = |material: usize| fractions[material][index] * tracked;
+            share(outward, tracked, held, fractions.len(), given);
         }
         Ok(())
     }
@@ -238,6 +243,41 @@ impl<const D: usize> Sweeps<D> {
     }
 }
 
+/// Fits the amounts of several materials, each cut by a plane of its own, to what the cell holds: `given[face][material]`
+/// then adds up to no more than the flux of a face, and the void that leaves is no more than there is. What a material
+/// may not give now stays in the cell, so that no volume is lost.
+fn share(outward: &[f64; 6], tracked: f64, held: impl Fn(usize) -> f64, materials: usize, given: &mut [f64]) {
+    let mut void = [0.0; 6];
+    for (face, amounts) in given.chunks_mut(materials).enumerate() {
+        let flux = outward[face].max(0.0);
+        let sum: f64 = amounts.iter().sum();
+        if sum > flux {
+            amounts.iter_mut().for_each(|amount| *amount *= flux / sum);
+        } else {
+            void[face] = flux - sum;
+        }
+    }
+    let left = |given: &[f64], k: usize| {
+        (held(k) - given.chunks(materials).map(|face| face[k]).sum::<f64>()).max(0.0)
+    };
+    let [void_out, held_in_all, left_in_all] = [
+        void.iter().sum::<f64>(),
+        (0..materials).map(&held).sum(),
+        (0..materials).map(|k| left(given, k)).sum(),
+    ];
+    let excess = (void_out - (tracked - held_in_all).max(0.0)).min(left_in_all);
+    if !(excess > FRACTION_ROUNDING * tracked) {
+        return;
+    }
+    // What leaves in place of void is taken from what is left of the materials, face by face.
+    for k in 0..materials {
+        let part = excess / void_out * (left(given, k) / left_in_all);
+        for (face, amounts) in given.chunks_mut(materials).enumerate() {
+            amounts[k] += part * void[face];
+        }
+    }
+}
+
 /// Writes the new fractions and adds up the accounts, in the order of the band.
 fn settle<const D: usize>(
     members: &[Member<D>],
@@ -262,6 +302,10 @@ fn settle<const D: usize>(
 /// A cell that exchanged nothing but what it is full of keeps its fractions to the bit.
 fn correct(start: f64, volume_change: f64, contents: &mut [Content]) {
     let volume = start + volume_change;
+    if volume <= 0.0 {
+        // Overdrawn: there are no fractions until volume comes in.
+        return;
+    }
     let mut sum = 0.0;
     for content in contents.iter_mut() {
         let raw = content.initial + (content.change - content.initial * volume_change) / volume;

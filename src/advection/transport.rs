@@ -9,7 +9,7 @@ use super::motion::{Motion, NodalMotion};
 use super::sweeps::{Sweep, Sweeps};
 use crate::interface::{Reconstruction, ReconstructionError};
 use crate::mesh::Mesh;
-use crate::velocity::{FaceFluxes, Velocity};
+use crate::velocity::{FaceFluxes, FluxRange, Velocity};
 
 /// The directions of the sweeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -17,7 +17,8 @@ pub enum SweepAxes {
     /// Along mesh lines, over two opposite faces of every cell: conservative and bounded to rounding on any mesh.
     #[default]
     Logical,
-    /// One Cartesian component of the displacement per sweep, over all faces: the paper's.
+    /// One Cartesian component of the displacement per sweep, over all faces: the paper's. On an undistorted mesh a component
+    /// crosses the faces of one direction alone, and this is [`SweepAxes::Logical`].
     Cartesian,
 }
 
@@ -49,6 +50,17 @@ impl<const D: usize> Default for Settings<D> {
     }
 }
 
+/// A transport that cannot be set up.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum SetupError {
+    /// A wall that the velocity crosses.
+    #[error(transparent)]
+    Wall(#[from] WallCrossed),
+    /// A velocity out of range.
+    #[error(transparent)]
+    Fluxes(#[from] FluxRange),
+}
+
 /// A step that cannot be done.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
@@ -77,7 +89,7 @@ pub struct Transport<'a, C, const D: usize> {
     fluxes: FaceFluxes<D>,
     boundary: Boundary<D>,
     reconstruction: Reconstruction,
-    /// For Cartesian sweeps on distorted meshes; on undistorted ones they are the same as those along mesh lines.
+    /// For Cartesian sweeps on distorted meshes; on undistorted ones the sweeps run along mesh lines.
     nodes: Option<NodalMotion<D>>,
     overdraft: bool,
     band: Band,
@@ -88,15 +100,15 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
     /// Prepares the transport through `mesh` by `velocity`.
     ///
     /// # Errors
-    /// A wall that was asked for, but is crossed by the velocity.
-    pub fn new(mesh: &'a Mesh<C, D>, velocity: Velocity, settings: Settings<D>) -> Result<Self, WallCrossed> {
-        Self::with_fluxes(mesh, velocity, FaceFluxes::new(mesh, &velocity.field), settings)
+    /// A velocity out of range, or a wall that was asked for, but is crossed by the velocity.
+    pub fn new(mesh: &'a Mesh<C, D>, velocity: Velocity, settings: Settings<D>) -> Result<Self, SetupError> {
+        Ok(Self::with_fluxes(mesh, velocity, FaceFluxes::new(mesh, &velocity.field)?, settings)?)
     }
 
     /// The same with the face fluxes of `velocity.field` at hand.
     ///
     /// # Errors
-    /// As [`Transport::new`].
+    /// A wall that was asked for, but is crossed by the velocity.
     pub fn with_fluxes(
         mesh: &'a Mesh<C, D>,
         velocity: Velocity,

@@ -1,12 +1,14 @@
-//! The command line: `vofkit run`, `vofkit check`, `vofkit new`.
+//! The command line: `vofkit run`, `vofkit check`, `vofkit new`, `vofkit kernel`.
 //!
 //! - this file: the arguments and what they start;
 //! - [`check`]: what a scene will do, without doing it; [`template`]: scenes to start from;
+//! - [`kernel`]: tables of cells and planes through the kernel;
 //! - [`progress`]: how far a run is; [`terminal`]: text and errors on the terminal; [`threads`]: how many work.
 //!
 //! Exit codes: 0 done, 1 failed, 2 wrong arguments.
 
 pub mod check;
+pub mod kernel;
 pub mod progress;
 pub mod template;
 pub mod terminal;
@@ -69,6 +71,12 @@ pub enum Command {
         /// Which one.
         kind: Kind,
     },
+    /// Ask the geometry kernel about a table of cells and planes.
+    Kernel {
+        /// What.
+        #[command(subcommand)]
+        question: kernel::Question,
+    },
 }
 
 /// Reads the arguments of the process and does what they say.
@@ -93,7 +101,7 @@ pub fn main() -> ExitCode {
 /// Does what the arguments say.
 ///
 /// # Errors
-/// A scene that cannot be run, a run that failed, or a standard output that cannot be written.
+/// A scene that cannot be run, a run or a table that failed, or a standard output that cannot be written.
 pub fn execute(command: Command) -> Result<(), Failure> {
     match command {
         Command::Run { scene, out, force, threads, quiet, set } => {
@@ -121,6 +129,7 @@ pub fn execute(command: Command) -> Result<(), Failure> {
             }
         }
         Command::New { kind } => terminal::print(&template::text(kind)),
+        Command::Kernel { question } => kernel::ask(question),
     }
 }
 

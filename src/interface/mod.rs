@@ -101,7 +101,7 @@ pub fn place<C: Cell<D>, const D: usize>(
 ) -> Result<Placed<D>, ReconstructionError> {
     let offset = mesh.grid().offset(index);
     let stencil = Stencil::new(mesh.grid(), fractions, offset);
-    let Some(normal) = method.normal.normal(cell, &stencil) else {
+    let Some(normal) = method.normal.normal(mesh, offset, cell, &stencil) else {
         return Ok(Placed::NoNormal);
     };
     let found = cell.plane_constant(&normal, fractions[index], method.position).map_err(|source| {

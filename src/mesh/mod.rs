@@ -14,6 +14,7 @@ pub use distortion::Distortion;
 pub use grid::Grid;
 
 use crate::parallel;
+use crate::tolerance::RANGE;
 
 /// A structured mesh whose cells are all valid.
 #[derive(Clone, Debug)]
@@ -64,9 +65,29 @@ pub enum MeshError {
         /// Its upper bound.
         upper: f64,
     },
-    /// An amplitude, an angle or a number of nodes that does not fit.
+    /// Nodes that do not make up the cells.
+    #[error("a mesh of {cells:?} cells has {wanted} nodes, and {given} are given")]
+    NodeCount {
+        /// Cells per direction.
+        cells: Vec<usize>,
+        /// The nodes that they have.
+        wanted: usize,
+        /// The nodes given.
+        given: usize,
+    },
+    /// An amplitude or an angle out of its range.
     #[error("{0}")]
     Distortion(String),
+    /// Cells too large or too small to count in.
+    #[error(
+        "cell {cell:?} has the volume {volume:e}, outside the range of double precision; choose another unit of length"
+    )]
+    Range {
+        /// The cell's index along each axis.
+        cell: Vec<usize>,
+        /// Its volume.
+        volume: f64,
+    },
     /// Cells that cannot be used, all of them.
     #[error("{} of {total} cells cannot be used; the first is cell {:?}: {}", bad.len(), bad[0].cell, bad[0].defect)]
     BadCells {
@@ -148,12 +169,11 @@ impl<C: Cell<D>, const D: usize> Mesh<C, D> {
             return Err(MeshError::NoCells { axis });
         }
         if nodes.len() != grid.node_count() {
-            return Err(MeshError::Distortion(format!(
-                "{} nodes given, a mesh of {:?} cells has {}",
-                nodes.len(),
-                grid.cells(),
-                grid.node_count()
-            )));
+            return Err(MeshError::NodeCount {
+                cells: grid.cells().to_vec(),
+                wanted: grid.node_count(),
+                given: nodes.len(),
+            });
         }
         let lower = nodes.iter().fold(nodes[0], |a, b| a.inf(b));
         let upper = nodes.iter().fold(nodes[0], |a, b| a.sup(b));
@@ -197,6 +217,12 @@ impl<C: Cell<D>, const D: usize> Mesh<C, D> {
             return Err(MeshError::BadCells { bad, total });
         }
         mesh.notices = listed(false);
+        if let Some(index) = mesh.volumes.iter().position(|volume| !RANGE.contains(volume)) {
+            return Err(MeshError::Range {
+                cell: mesh.grid.offset(index).to_vec(),
+                volume: mesh.volumes[index],
+            });
+        }
         Ok(mesh)
     }
 

@@ -4,12 +4,12 @@ mod youngs;
 
 use vofkit_geometry::{Cell, Vector};
 
-use crate::mesh::Grid;
+use crate::mesh::{Grid, Mesh};
 
 /// How the normal of the interface in a mixed cell is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum NormalMethod {
-    /// Youngs' gradient over the 3^D stencil, taken to physical space with the cell's Jacobian.
+    /// Youngs' gradient over the 3^D stencil, taken to physical space with the Jacobian of the same stencil.
     #[default]
     Youngs,
     /// The paper's form of Youngs' gradient: the logical axes stand for the Cartesian ones (Eq. 82).
@@ -67,10 +67,17 @@ fn step_of<const D: usize>(place: usize) -> [isize; D] {
 }
 
 impl NormalMethod {
-    /// The unit normal, out of the material; none where the fractions around the cell do not give one.
-    pub fn normal<C: Cell<D>, const D: usize>(self, cell: &C, stencil: &Stencil<D>) -> Option<Vector<D>> {
+    /// The unit normal in the cell at `offset`, out of the material; none where the fractions around it do not give one.
+    /// `cell` is [`Mesh::local_cell`].
+    pub fn normal<C: Cell<D>, const D: usize>(
+        self,
+        mesh: &Mesh<C, D>,
+        offset: [usize; D],
+        cell: &C,
+        stencil: &Stencil<D>,
+    ) -> Option<Vector<D>> {
         match self {
-            Self::Youngs => youngs::physical(cell, stencil),
+            Self::Youngs => youngs::physical(mesh, offset, cell, stencil),
             Self::YoungsLogical => youngs::logical(cell, stencil),
         }
     }

@@ -7,6 +7,7 @@
 use vofkit_geometry::{Cell, Vector};
 
 use super::{Stencil, stencil_cells};
+use crate::mesh::Mesh;
 use crate::tolerance::GRADIENT_FLAT;
 
 /// The gradient in cells, along the logical axes.
@@ -42,13 +43,59 @@ fn is_flat<const D: usize>(gradient: &Vector<D>, stencil: &Stencil<D>) -> bool {
     gradient.amax() <= GRADIENT_FLAT * stencil.largest()
 }
 
-/// The physical gradient `J^-T df/dxi` with the cell's mean Jacobian `J`.
-pub(super) fn physical<C: Cell<D>, const D: usize>(cell: &C, stencil: &Stencil<D>) -> Option<Vector<D>> {
+/// The physical gradient `J^-T df/dxi`. The differences that make up `df/dxi` lie a cell apart, so `J` is made of the same
+/// differences of the cells' middles: with the cell's own Jacobian a distorted mesh would turn the normal.
+pub(super) fn physical<C: Cell<D>, const D: usize>(
+    mesh: &Mesh<C, D>,
+    offset: [usize; D],
+    cell: &C,
+    stencil: &Stencil<D>,
+) -> Option<Vector<D>> {
     let gradient = logical_gradient(stencil);
     if is_flat(&gradient, stencil) {
         return None;
     }
-    against(cell.physical_gradient(&gradient))
+    if mesh.is_undistorted() {
+        return against(cell.physical_gradient(&gradient));
+    }
+    let columns = stencil_jacobian(mesh, offset);
+    // The parallelepiped with these edges has this Jacobian.
+    let patch = C::from_corners(|corner| (0..D).map(|axis| columns[axis] * corner[axis] as f64).sum());
+    against(patch.physical_gradient(&gradient))
+}
+
+/// The derivatives of position along the logical axes, by the differences of [`logical_gradient`] between the middles of
+/// the cells (the means of their nodes). Over the `4^D` nodes of the stencil these have the weights -1, -1, 1, 1
+/// over 4 along the axis and 1, 3, 3, 1 over 8 along the others.
+fn stencil_jacobian<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, offset: [usize; D]) -> [Vector<D>; D] {
+    const SLOPE: [f64; 4] = [-0.25, -0.25, 0.25, 0.25];
+    const MEAN: [f64; 4] = [0.125, 0.375, 0.375, 0.125];
+    let mut columns = [Vector::<D>::zeros(); D];
+    for place in 0..4_usize.pow(D as u32) {
+        let step: [usize; D] = std::array::from_fn(|axis| place >> (2 * axis) & 3);
+        let x = extended_node(mesh, std::array::from_fn(|axis| (offset[axis] + step[axis]) as isize - 1));
+        for (axis, column) in columns.iter_mut().enumerate() {
+            let weight = |k: usize| if k == axis { SLOPE[step[k]] } else { MEAN[step[k]] };
+            *column += x * (0..D).map(weight).product::<f64>();
+        }
+    }
+    columns
+}
+
+/// The node at an index, or, one layer beyond an end, where the mesh would go on evenly.
+fn extended_node<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, at: [isize; D]) -> Vector<D> {
+    let cells = mesh.grid().cells();
+    let outside = (0..D).find(|&axis| at[axis] < 0 || at[axis] > cells[axis] as isize);
+    let Some(axis) = outside else {
+        return mesh.nodes()[mesh.grid().node_index(at.map(|i| i as usize))];
+    };
+    let inward = if at[axis] < 0 { 1 } else { -1 };
+    let moved = |steps: isize| {
+        let mut to = at;
+        to[axis] += inward * steps;
+        extended_node(mesh, to)
+    };
+    moved(1) * 2.0 - moved(2)
 }
 
 /// The components `(df/dxi_k) / h_k` with the cell's mean edge lengths `h_k`, taken as Cartesian ones (Eq. 82).

@@ -87,10 +87,14 @@ impl Field {
         match *self {
             Self::Uniform { velocity: u } => Vector3::new(0.0, u[2] * x[0], u[0] * x[1] - u[1] * x[0]),
             Self::Rotation { centre, angular_velocity } => {
-                // -1/2 (distance from the axis)^2 omega
-                let rate2 = angular_velocity.norm_squared();
-                let swept = angular_velocity.cross(&(x - centre));
-                if rate2 > 0.0 { angular_velocity * (-0.5 * swept.norm_squared() / rate2) } else { swept }
+                // -1/2 (distance from the axis)^2 omega, with an axis whose square neither over- nor underflows
+                let rate = angular_velocity.amax();
+                if rate == 0.0 {
+                    return Vector3::zeros();
+                }
+                let axis = angular_velocity / rate;
+                let swept = axis.cross(&(x - centre));
+                angular_velocity * (-0.5 * swept.norm_squared() / axis.norm_squared())
             }
             Self::Eq101 => along_z(-x[0].cos() * x[1].cos()),
             Self::RudmanShear => along_z(x[0].sin() * x[1].sin()),

@@ -8,7 +8,7 @@ mod field;
 mod flux;
 
 pub use field::Field;
-pub use flux::{FaceFluxes, StepFluxes};
+pub use flux::{FaceFluxes, FluxRange, StepFluxes};
 
 use std::f64::consts::PI;
 

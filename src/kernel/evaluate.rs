@@ -1,0 +1,111 @@
+//! What the kernel says of a row.
+
+use std::fmt::Write;
+
+use vofkit_geometry::{Cell, HalfSpace, TruncationMethod, Vector};
+
+use super::Task;
+use super::columns::{Given, QUANTITIES};
+use super::error::RowError;
+use super::input::Input;
+use super::placed::Placed;
+
+/// The numbers of a row in the order of [`QUANTITIES`]; those that the method does not give, or that were not asked for,
+/// are none.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Values {
+    pub(super) numbers: [Option<f64>; QUANTITIES.len()],
+    /// Whether the plane constant has a closed form.
+    pub(super) closed_form: bool,
+}
+
+impl Values {
+    /// A number so that reading it gives the same one, in a buffer.
+    pub(super) fn print<'a>(&self, quantity: usize, buffer: &'a mut String) -> &'a str {
+        buffer.clear();
+        if let Some(number) = self.numbers[quantity] {
+            // Writing to a string cannot fail.
+            let _ = match QUANTITIES[quantity] {
+                // A count.
+                "evaluations" => write!(buffer, "{number}"),
+                _ => write!(buffer, "{number:?}"),
+            };
+        }
+        buffer
+    }
+}
+
+/// A cell and a plane through it, in the same place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cut {
+    pub(super) placed: Placed,
+    pub(super) half_space: HalfSpace<3>,
+}
+
+impl Cut {
+    /// A row, unless it asks for the plane.
+    pub(super) fn given(input: &Input) -> Option<Self> {
+        match input.given {
+            Given::Local(local) => {
+                let placed = Placed::at_origin(&input.nodes);
+                Some(Self { placed, half_space: placed.half_space(&input.normal, local) })
+            }
+            Given::Constant(constant) => {
+                let half_space = HalfSpace { normal: input.normal, constant };
+                Some(Self { placed: Placed::in_place(&input.nodes), half_space })
+            }
+            Given::Fraction(_) => None,
+        }
+    }
+
+    /// The first moment in the coordinates of the table.
+    pub(super) fn moment(&self) -> Vector<3> {
+        self.placed.cell.first_moment_about(&self.half_space, &-self.placed.shift)
+    }
+
+    fn values(&self, method: TruncationMethod) -> Values {
+        let cell = &self.placed.cell;
+        let truncation = method.truncate(cell, &self.half_space);
+        let area = truncation.section_area.map(|area| area * length(&self.half_space.normal));
+        let moment = (method == TruncationMethod::Exact).then(|| self.moment());
+        let mut values = Values::default();
+        let [x, y, z] = [0, 1, 2].map(|axis| moment.map(|moment| moment[axis]));
+        let numbers = [Some(method.cell_volume(cell)), Some(truncation.volume), area, x, y, z];
+        values.numbers[..numbers.len()].copy_from_slice(&numbers);
+        values
+    }
+}
+
+/// The length of a normal: the section is the derivative of the volume for a unit normal.
+fn length(normal: &Vector<3>) -> f64 {
+    let largest = normal.amax();
+    largest * (normal / largest).norm()
+}
+
+/// Computes a row.
+pub(super) fn evaluate(task: Task, input: &Input) -> Result<Values, RowError> {
+    let values = match (task, Cut::given(input), input.given) {
+        (Task::Truncate(method), Some(cut), _) => cut.values(method),
+        (Task::Position(method), _, Given::Fraction(fraction)) => {
+            let placed = Placed::at_origin(&input.nodes);
+            let normal = input.normal;
+            let found = placed.cell.plane_constant(&normal, fraction, method).map_err(RowError::Position)?;
+            let local = placed.local_constant(&HalfSpace { normal, constant: found.constant });
+            // As a truncation with this constant sees it.
+            let cut = Cut { placed, half_space: placed.half_space(&normal, local) };
+            let mut values = cut.values(TruncationMethod::Exact);
+            let constant = placed.constant(&normal, local);
+            let numbers = [constant, local, found.residual, found.evaluations as f64].map(Some);
+            values.numbers[QUANTITIES.len() - numbers.len()..].copy_from_slice(&numbers);
+            values.closed_form = found.closed_form;
+            values
+        }
+        // Columns are looked up by task.
+        _ => Values::default(),
+    };
+    let too_large = |(number, _): &(&Option<f64>, _)| number.is_some_and(|number| !number.is_finite());
+    match values.numbers.iter().zip(QUANTITIES).find(too_large) {
+        Some((_, name)) => Err(RowError::Overflow(name)),
+        None => Ok(values),
+    }
+}
