@@ -8,6 +8,9 @@
 //! Along mesh lines the two swept regions of a cell are disjoint slabs of it, so fractions stay in `[0, 1]` and volume is conserved to
 //! rounding. Along Cartesian axes on a distorted mesh the regions of a cell may overlap or reach beyond it; what that costs is
 //! corrected as in Sect. 5.2.3 and entered in the [`Ledger`].
+//!
+//! Several materials are cut each by a plane of its own, and what leaves is then fitted to what the cell holds (`share`), so
+//! that neither volume nor the fullness of a cell is lost where their planes do not match.
 
 use vofkit_geometry::Cell;
 
