@@ -19,6 +19,9 @@ fn templates_explain_every_key_and_can_be_run() {
         let template = place.vofkit(&["new", kind]);
         assert_eq!((template.code, template.err.as_str()), (Some(0), ""));
         assert!(!template.out.contains('@'), "{}", template.out);
+        for line in template.out.lines().filter(|line| !line.starts_with('#')) {
+            assert!(line.find("  # ").is_none_or(|_| line.find('#') == Some(29)), "{line}");
+        }
         place.file("new.toml", &template.out);
         let checked = place.vofkit(&["check", "new.toml"]);
         assert_eq!(checked.code, Some(0), "{}", checked.err);
@@ -77,25 +80,77 @@ fn force_replaces_the_files_of_the_earlier_run_and_nothing_else() {
     assert_eq!(first.code, Some(0), "{}", first.err);
     place.file("o/notes.txt", "mine");
     place.file("outside.txt", "mine");
+    let mine = [
+        "notes.txt",
+        "fields_1.vts",
+        "fields_00001.vts",
+        "interface_0000.stl",
+        "picture_last.svg.old",
+        "mine.pvd",
+    ];
+    for name in mine {
+        place.file(&format!("o/{name}"), "<DataSet file=\"fields_mine.vts\"/>");
+    }
     // A summary that somebody has meddled with.
     let mut summary = place.summary("o");
     let files = summary["files"].as_array_mut().unwrap();
     let absolute = place.path("outside.txt");
-    for name in ["../outside.txt", absolute.to_str().unwrap(), ".", "..", "", "gone.txt"] {
+    for name in ["notes.txt", "../outside.txt", absolute.to_str().unwrap(), ".", "..", "", "gone.txt"] {
         files.push(name.into());
     }
     place.file("o/summary.json", summary.to_string());
+    let left = |place: &Place| {
+        let listed = place.listed("o");
+        listed.into_iter().filter(|name| !mine.contains(&name.as_str())).collect::<Vec<_>>()
+    };
     let settings =
         ["--set", "output.interface=[]", "--set", "output.picture=false", "--set", "output.fields=false"];
     let again =
         place.vofkit(&[&["run", &small(), "--out", "o", "--force", "--quiet"], &settings[..]].concat());
     assert_eq!(again.code, Some(0), "{}", again.err);
-    assert_eq!(place.listed("o"), ["history.csv", "notes.txt", "summary.json"]);
+    assert_eq!(left(&place), ["history.csv", "summary.json"]);
+    assert_eq!(place.listed("o").len(), mine.len() + 2);
     assert!(place.path("outside.txt").exists());
     // A wrong scene does not cost the earlier results.
     let wrong = place.vofkit(&["run", &small(), "--out", "o", "--force", "--set", "advection.courant=3.0"]);
     assert_eq!(wrong.code, Some(1));
-    assert_eq!(place.listed("o"), ["history.csv", "notes.txt", "summary.json"]);
+    assert_eq!(left(&place), ["history.csv", "summary.json"]);
+}
+
+#[test]
+fn force_clears_what_an_aborted_run_left() {
+    let place = Place::new();
+    let first = place.vofkit(&["run", &small(), "--out", "o", "--quiet", "--set", "name=earlier"]);
+    assert_eq!(first.code, Some(0), "{}", first.err);
+    fs::remove_file(place.path("o/summary.json")).unwrap();
+    fs::copy(place.path("o/earlier.pvd"), place.path("o/earliest.pvd.partial")).unwrap();
+    for name in
+        ["history.csv.partial", "fields_0017.vts.partial", "interface_12345.obj", "summary.json.partial"]
+    {
+        place.file(&format!("o/{name}"), "half");
+    }
+    fs::create_dir(place.path("o/fields_0003.vts")).unwrap();
+    let settings =
+        ["--set", "output.interface=[]", "--set", "output.picture=false", "--set", "output.fields=false"];
+    let again =
+        place.vofkit(&[&["run", &small(), "--out", "o", "--force", "--quiet"], &settings[..]].concat());
+    assert_eq!(again.code, Some(0), "{}", again.err);
+    assert_eq!(place.listed("o"), ["fields_0003.vts", "history.csv", "summary.json"]);
+}
+
+#[test]
+fn folders_above_that_are_not_there_yet_are_made() {
+    let place = Place::new();
+    let done = place.vofkit(&["run", &small(), "--out", "new/../x/y", "--quiet"]);
+    assert_eq!(done.code, Some(0), "{}", done.err);
+    assert!(place.listed("x/y").contains(&"summary.json".to_owned()));
+    // The same folder by a path that is not there yet.
+    let again = place.vofkit(&["run", &small(), "--out", "newer/../x/y", "--quiet"]);
+    assert_eq!(again.code, Some(1));
+    assert!(again.err.contains("exists already"), "{}", again.err);
+    assert_eq!(place.listed("."), ["new", "x"]);
+    let forced = place.vofkit(&["run", &small(), "--out", "newer/../x/y", "--quiet", "--force"]);
+    assert_eq!(forced.code, Some(0), "{}", forced.err);
 }
 
 #[test]
@@ -161,6 +216,29 @@ mod disk {
 
     use super::*;
     use cli_support::Done;
+
+    #[test]
+    fn a_mesh_that_does_not_fit_into_memory_is_refused() {
+        let place = Place::new();
+        for command in ["check", "run --out o"] {
+            let script = format!(
+                "ulimit -v 2000000; exec \"$VOFKIT\" {command} '{}' --set 'mesh.cells=[20000,20000]'",
+                small()
+            );
+            let mut shell = Command::new("sh");
+            shell
+                .args(["-c", &script])
+                .env("VOFKIT", env!("CARGO_BIN_EXE_vofkit"))
+                .current_dir(place.path("."));
+            let done = Done::from(shell.output().unwrap());
+            assert_eq!(done.code, Some(1), "{}", done.err);
+            let answer = ["20000 x 20000 cells takes about", "there is", "MB", "fewer cells", "^^"];
+            for words in answer {
+                assert!(done.err.contains(words), "no {words:?} in {}", done.err);
+            }
+        }
+        assert!(place.listed(".").is_empty());
+    }
 
     /// Runs in a shell that lets no file grow beyond a number of blocks of 512 bytes.
     fn limited(place: &Place, blocks: u32, arguments: &str) -> Done {

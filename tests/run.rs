@@ -217,9 +217,48 @@ fn what_leaves_through_open_ends_is_in_the_balance() {
     assert!(left > 0.5 * initial && left < initial, "{material}");
     assert!(error <= 0.02, "{material}");
     // Through a rotation that cannot be told exactly.
-    let place_in_corner = "material.0.shape.disc.centre=[2.0,2.0]";
+    let place_in_corner = "material.0.shape.sphere.centre=[2.0,2.0]";
     let material = &place.run("disc_rotation", "o", &[place_in_corner])["materials"][0];
     assert!(material["shape_error"].is_null(), "{material}");
+}
+
+#[test]
+fn the_error_is_not_told_where_a_material_flows_in() {
+    let place = Place::new();
+    // As much comes in as goes out.
+    let full = ["material.0.shape={half_space={normal=[1,0],constant=100}}", "boundary.inflow=disc"];
+    let settings = [&full[..], &["output.times=[]", "output.picture=false"]].concat();
+    let material = &place.run("disc_diagonal", "o", &settings)["materials"][0];
+    assert_eq!(number(&material["boundary_volume"]), 0.0, "{material}");
+    assert!(material["shape_error"].is_null() && material["shape_error_relative"].is_null(), "{material}");
+    // Nothing comes in where nothing moves, or through ends that are joined.
+    let still = ["velocity.field.uniform.velocity=[0,0]", "advection.steps=1", "advection.courant="];
+    let joined = ["boundary.x=[\"periodic\",\"periodic\"]", "boundary.y=[\"periodic\",\"periodic\"]"];
+    for closed in [&still[..], &joined[..]] {
+        let material = &place.run("disc_diagonal", "o", &[&settings[..], closed].concat())["materials"][0];
+        assert!(number(&material["shape_error"]) <= 1e-9, "{material}");
+    }
+}
+
+#[test]
+fn what_is_not_reached_and_what_was_corrected_is_told() {
+    let place = Place::new();
+    let path = scene("disc_diagonal");
+    let run = |settings: &[&str]| {
+        let mut arguments = vec!["run", path.to_str().unwrap(), "--out", "o", "--force"];
+        settings.iter().for_each(|setting| arguments.extend(["--set", setting]));
+        let done = place.vofkit(&arguments);
+        assert_eq!(done.code, Some(0), "{}", done.err);
+        done.out
+    };
+    let plain = run(&[]);
+    assert!(!plain.contains("note") && !plain.contains("rescaled"), "{plain}");
+    let late = run(&["output.times=[0,99]", "velocity.reversal={flip={time=9}}"]);
+    assert!(late.contains("output time 99 is after the end"), "{late}");
+    assert!(late.contains("the flip of the velocity is after the end"), "{late}");
+    assert_eq!(place.summary("o")["notes"].as_array().unwrap().len(), 2);
+    let off = run(&["advection.courant=1.5", "advection.substeps=off"]);
+    assert!(off.contains("clipped") && off.contains("rescaled"), "{off}");
 }
 
 #[test]
@@ -239,8 +278,8 @@ fn small_geometry_is_scaled_for_obj() {
     let place = Place::new();
     let settings = [
         "mesh.upper=[1e-4,1e-4]",
-        "material.0.shape.disc.centre=[2.5e-5,2.5e-5]",
-        "material.0.shape.disc.radius=1.5e-5",
+        "material.0.shape.sphere.centre=[2.5e-5,2.5e-5]",
+        "material.0.shape.sphere.radius=1.5e-5",
         "velocity.field.uniform.velocity=[1e-5,1e-5]",
     ];
     let summary = place.run("disc_diagonal", "o", &settings);

@@ -86,6 +86,58 @@ fn settings_that_fit_nowhere_are_refused() {
 }
 
 #[test]
+fn sections_are_set_as_a_whole_and_removed() {
+    let two = ["material.0={name=\"a\",shape={disc={centre=[0.5,0.5],radius=0.1}}}", "material.0.name=b"];
+    assert_eq!(plane(&two).material_names(), ["b"]);
+    let error = parse(SCENE, &["material.0=x"]).unwrap_err();
+    assert!(
+        error.message().contains("whole section") && error.message().contains("material.0.name"),
+        "{error}"
+    );
+    let error = parse(SCENE, &["material.0="]).unwrap_err();
+    assert!(error.message().contains("missing key `material`"), "{error}");
+    let error = parse(SCENE, &["material.2="]).unwrap_err();
+    assert!(error.message().contains("list of 1"), "{error}");
+}
+
+#[test]
+fn a_key_in_a_distortion_takes_the_place_of_none() {
+    let none = SCENE.replace("[mesh]", "[mesh]\ndistortion = \"none\"");
+    for text in [SCENE, &none] {
+        let Scene::Plane(scene) = parse(text, &["mesh.distortion.random.amplitude=0.2"]).unwrap() else {
+            panic!("two numbers of cells are a plane scene")
+        };
+        assert_eq!(scene.mesh.distortion, vofkit::mesh::Distortion::Random { amplitude: 0.2, seed: 0 });
+    }
+}
+
+#[test]
+fn values_that_look_like_toml_must_be_toml() {
+    for value in ["[1, 2", "{random={amplitude=0.2}", "\"many", "12x", "+", "-many", ".5.", "'a"] {
+        let setting = format!("mesh.cells={value}");
+        let error = parse(SCENE, &[&setting]).unwrap_err();
+        assert!(error.message().contains("no TOML") && error.message().contains(&setting), "{error}");
+    }
+    assert_eq!(parse(SCENE, &["name=many words"]).unwrap().name(), "many words");
+    assert_eq!(parse(SCENE, &["name=\"2d\""]).unwrap().name(), "2d");
+}
+
+#[test]
+fn errors_outside_of_what_was_set_point_at_the_file() {
+    let text = SCENE.replace(END, "end_time = -1.0");
+    let line = text.lines().position(|line| line == "end_time = -1.0").unwrap() + 1;
+    // Lines before it come and go.
+    let settings = ["mesh.distortion={wave={amplitude=0.1}}", "name="];
+    let error = parse(&text, &settings).unwrap_err();
+    assert_eq!(error.line(), Some(line));
+    let shown = |error: SceneError| format!("{:?}", miette::Report::new(error));
+    assert!(!shown(error).contains("--set"));
+    // What is set is shown as it was set.
+    let error = parse(SCENE, &["advection.end_time=-1.0"]).unwrap_err();
+    assert!(shown(error).contains("(with --set)"));
+}
+
+#[test]
 fn every_scene_passes_the_check_and_so_does_its_resolved_form() {
     let place = Place::new();
     assert_eq!(scenes().len(), 10);
@@ -142,8 +194,12 @@ const WRONG: &[Wrong] = &[
     wrong(
         SHAPE,
         "shape = { difference = [{ disc = { centre = [0.3, 0.4], radius = 0.2 } }] }",
-        &["at least one"],
+        &["the difference is a list of 1", "at least one"],
     ),
+    wrong(SHAPE, "shape = \"disc\"", &["`disc` needs values: { disc = { centre = [..], radius = 0.2 } }"]),
+    wrong(SHAPE, "shape = \"union\"", &["`union` needs values: { union = ["]),
+    wrong(SHAPE, "shape = { disc = 3 }", &["integer `3`, expected a table of values"]),
+    wrong(FIELD, "field = \"reversed_vortex\"", &["`reversed_vortex` needs values", "{ period = 3.0 }"]),
     wrong(SHAPE, "shape = { half_space = { normal = [0, 0], constant = 1 } }", &["zero length", "not 0"]),
     wrong(
         SHAPE,
@@ -196,6 +252,11 @@ fn what_is_wrong_in_added_lines_is_named_too() {
         ("[advection]", "mode = \"remesh\"", &["not available in this version", "available: flow"]),
         ("[advection]", "substeps = \"maybe\"", &["\"maybe\" is not known", "error, auto, off"]),
         ("[velocity]", "reversal = { flip = {} }", &["either a step or a time", "flip = { step"]),
+        ("[velocity]", "reversal = { flip = { step = 0 } }", &["step of the flip is 0", "at least 1"]),
+        ("[velocity]", "reversal = { flip = { time = 0 } }", &["time of the flip is 0", "above 0"]),
+        ("[velocity]", "reversal = \"flip\"", &["`flip` needs values: { flip = { step = 100 } }"]),
+        ("[mesh]", "distortion = \"random\"", &["{ random = { amplitude = 0.2, seed = 1 } }"]),
+        ("[mesh]", "lower = [0.0, 1.0]", &["empty along y", "mesh.lower is 1, mesh.upper 1"]),
         ("[velocity]", "reversal = { cosine = { period = -1.0 } }", &["period is -1", "above 0"]),
         (
             END,
@@ -203,10 +264,14 @@ fn what_is_wrong_in_added_lines_is_named_too() {
             &["not available in this version", "youngs, youngs_logical"],
         ),
         (END, "[reconstruction]\nnormal = \"young\"", &["is not known", "youngs, youngs_logical"]),
-        (END, "[boundary]\ninflow = \"water\"", &["\"water\" is not known", "void, disc"]),
+        (
+            END,
+            "[boundary]\ninflow = \"water\"",
+            &["the inflow material \"water\" is not known", "void, disc"],
+        ),
         (END, "[boundary]\nx = [\"wall\", \"wall\"]", &["crosses the wall", "\"outflow\""]),
         (END, "[boundary]\nx = [\"periodic\", \"wall\"]", &["one end only", "[\"periodic\", \"periodic\"]"]),
-        (END, "[boundary]\nx = [\"wall\"]", &["1 entries", "give two"]),
+        (END, "[boundary]\nx = [\"wall\"]", &["boundary.x is a list of 1", "give two"]),
         (END, "[boundary]\nz = [\"wall\", \"wall\"]", &["no z direction", "leave out"]),
         (END, "[output]\ntimes = [-1.0]", &["-1", "at least 0"]),
         (END, "[output]\ninterface = [\"stl\"]", &["\"stl\" is not known", "obj, vtk"]),

@@ -7,7 +7,7 @@ use crate::mesh::{Mesh, axis_name};
 use crate::metrics::material_volume;
 use crate::report::table;
 use crate::run::{Plan, Schedule, output, prepare};
-use crate::scene::{Resolved, ReversalSetup, SceneError};
+use crate::scene::{Resolved, SceneError};
 
 /// Validates a scene and describes it: the scene as TOML with every default filled in, then, in comments, what a run
 /// computes, writes and skips.
@@ -23,7 +23,7 @@ pub fn report<C: Cell<D>, const D: usize>(scene: &Resolved<D>) -> Result<String,
     let times: Vec<f64> = schedule.steps().iter().map(|&step| plan.time(step)).collect();
     let mut rows = vec![
         ("cells", mesh.grid().len().to_string()),
-        ("memory", format!("about {:.1} MB", prepare::memory(scene) as f64 / 1e6)),
+        ("memory", format!("about {}", crate::run::megabytes(prepare::memory(scene)))),
         ("time steps", format!("{} of {:.6e}, to the time {:.6}", plan.steps, plan.dt(), plan.end)),
         ("Courant number", courant(&plan)),
         ("boundary", boundary(setup.transport.boundary(), scene.boundary.periodic)),
@@ -39,8 +39,8 @@ pub fn report<C: Cell<D>, const D: usize>(scene: &Resolved<D>) -> Result<String,
     rows.push(("files", output::names(scene, &schedule).join(" ")));
     let skipped = crate::run::not_asked_for(&scene.output);
     rows.push(("not written", if skipped.is_empty() { "-".to_owned() } else { skipped.join(", ") }));
-    for notice in notices(scene, &mesh, &plan, &schedule) {
-        rows.push(("note", notice));
+    for note in crate::run::notes(scene, &mesh, &plan, &schedule) {
+        rows.push(("note", note));
     }
     let comments: String = table::lines(&rows).lines().map(|line| format!("# {line}\n")).collect();
     Ok(format!("{}\n{comments}", scene.to_toml(setup.transport.boundary(), &times)))
@@ -68,29 +68,4 @@ fn boundary<const D: usize>(boundary: &Boundary<D>, periodic: [bool; D]) -> Stri
         format!("{name} {lower}/{upper}")
     };
     (0..D).map(of_axis).collect::<Vec<_>>().join(", ")
-}
-
-fn notices<C: Cell<D>, const D: usize>(
-    scene: &Resolved<D>,
-    mesh: &Mesh<C, D>,
-    plan: &Plan,
-    schedule: &Schedule,
-) -> Vec<String> {
-    let mut notices = Vec::new();
-    if let Some(first) = mesh.notices().first() {
-        let (count, cell) = (mesh.notices().len(), &first.cell);
-        notices.push(format!("{count} odd but legal cells, such as {cell:?}: {}", first.defect));
-    }
-    for time in &schedule.after_end {
-        notices.push(format!("the output time {time} is after the end and will not be reached"));
-    }
-    let late = match scene.reversal {
-        ReversalSetup::FlipAtStep { step } => step >= plan.steps as u64,
-        ReversalSetup::FlipAtTime { time } => time >= plan.end,
-        _ => false,
-    };
-    if late {
-        notices.push("the flip of the velocity is after the end and will not be reached".to_owned());
-    }
-    notices
 }

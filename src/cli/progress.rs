@@ -1,7 +1,9 @@
 //! How far a run is: a bar on a terminal, a line now and then elsewhere.
 
 use std::io::{self, IsTerminal, Write};
-use std::time::Instant;
+use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -9,6 +11,9 @@ use crate::run::Progress;
 
 /// Lines are printed this many times over a run.
 const LINES: usize = 10;
+
+/// Stages that take longer than this are told.
+const PATIENCE: Duration = Duration::from_secs(1);
 
 /// What suits the standard error of this process.
 pub fn chosen() -> Box<dyn Progress> {
@@ -52,18 +57,24 @@ impl Progress for Bar {
     }
 }
 
-/// Plain lines, about every tenth part of the run.
+/// Plain lines, about every tenth part of the run and for stages that take their time.
 #[derive(Debug, Default)]
 pub struct Lines {
+    stage: Option<Reminder>,
     steps: usize,
     printed: usize,
     start: Option<Instant>,
 }
 
 impl Progress for Lines {
-    fn stage(&mut self, _: &str) {}
+    fn stage(&mut self, what: &str) {
+        let line = format!("{what} ...");
+        // Nobody may be reading.
+        self.stage = Reminder::new(PATIENCE, move || drop(writeln!(io::stderr().lock(), "{line}")));
+    }
 
     fn begin(&mut self, steps: usize) {
+        self.stage = None;
         (self.steps, self.printed, self.start) = (steps, 0, Some(Instant::now()));
     }
 
@@ -82,6 +93,47 @@ impl Progress for Lines {
     }
 
     fn end(&mut self) {
+        self.stage = None;
         self.start = None;
+    }
+}
+
+/// Does something after a while, unless it is dropped before.
+#[derive(Debug)]
+struct Reminder {
+    _alive: Sender<()>,
+}
+
+impl Reminder {
+    /// None where the system gives no thread for it.
+    fn new(patience: Duration, remind: impl FnOnce() + Send + 'static) -> Option<Self> {
+        let (alive, dropped) = mpsc::channel();
+        let wait = move || {
+            if dropped.recv_timeout(patience) == Err(RecvTimeoutError::Timeout) {
+                remind();
+            }
+        };
+        thread::Builder::new().spawn(wait).ok()?;
+        Some(Self { _alive: alive })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stages_that_last_are_told_and_short_ones_are_not() {
+        let (told, heard) = mpsc::channel();
+        let stage = |patience: u64, what: &'static str| {
+            let told = told.clone();
+            Reminder::new(Duration::from_millis(patience), move || told.send(what).unwrap())
+        };
+        drop(stage(60_000, "short"));
+        let long = stage(1, "long");
+        assert!(long.is_some());
+        drop(told);
+        // Ends when both have told or been dropped.
+        assert_eq!(heard.iter().collect::<Vec<_>>(), ["long"]);
     }
 }

@@ -5,6 +5,9 @@ use clap::ValueEnum;
 /// The text with `@name@` where the kinds differ.
 const TEXT: &str = include_str!("template.toml");
 
+/// Where comments after values start.
+const COLUMN: usize = 29;
+
 /// The kinds of scenes to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Kind {
@@ -60,7 +63,20 @@ pub fn text(kind: Kind) -> String {
         Kind::Vortex => &vortex,
     };
     // What a kind does not say is as in the first one.
-    own.iter()
-        .chain(&disc)
-        .fold(TEXT.to_owned(), |text, (key, value)| text.replace(&format!("@{key}@"), value))
+    let filled = |text: &str| {
+        own.iter()
+            .chain(&disc)
+            .fold(text.to_owned(), |text, (key, value)| text.replace(&format!("@{key}@"), value))
+    };
+    TEXT.lines().map(|line| aligned(line, filled) + "\n").collect()
+}
+
+/// A line filled in; the comment after a value stays in its column.
+fn aligned(line: &str, filled: impl Fn(&str) -> String) -> String {
+    match line.split_once("  #") {
+        Some((value, comment)) if !value.starts_with('#') && value.contains('@') => {
+            format!("{:<COLUMN$}#{}", filled(value.trim_end()), filled(comment))
+        }
+        _ => filled(line),
+    }
 }

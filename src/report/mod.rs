@@ -49,6 +49,8 @@ pub struct Summary {
     pub facet_gap_mean: Option<f64>,
     /// The factor on the coordinates in OBJ files; none where it is 1 or nothing was written.
     pub obj_scale: Option<f64>,
+    /// What one might not expect, in words: output times and flips that are never reached, odd cells.
+    pub notes: Vec<String>,
     /// The materials.
     pub materials: Vec<MaterialSummary>,
     /// The files in the output folder, this one included.

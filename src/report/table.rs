@@ -5,6 +5,9 @@ use std::path::Path;
 
 use super::{MaterialSummary, Summary};
 
+/// Corrections up to this part of a material are rounding and not shown.
+const ROUNDING: f64 = 1e-12;
+
 /// The summary in a few aligned lines.
 pub fn summary(summary: &Summary, folder: &Path) -> String {
     let cells = summary.cells_per_direction.iter().map(usize::to_string).collect::<Vec<_>>().join(" x ");
@@ -13,7 +16,7 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
         0 | 1 => String::new(),
         parts => format!(", in up to {parts} substeps"),
     };
-    let rows = [
+    let mut rows = vec![
         ("scene", format!("{} ({cells} cells)", summary.scene)),
         ("time", format!("{:.6} in {} steps of {:.6e}", summary.end_time, summary.steps, summary.dt)),
         ("Courant number", format!("{:.4}{substeps}", summary.max_courant)),
@@ -27,14 +30,37 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
         ("corrections", format!("{:.1e} of a cell at most", summary.corrections.largest_fraction)),
         ("wall time", format!("{:.2} s with {} threads", summary.wall_seconds, summary.threads)),
     ];
+    rows.extend(summary.notes.iter().map(|note| ("note", note.clone())));
     let mut text = lines(&rows);
-    let header = ["material", "volume", "drift", "error", "relative", "f min", "1 - f max", "pieces"];
-    let rows = summary.materials.iter().map(|m| row(m).to_vec());
-    let table: Vec<Vec<String>> = std::iter::once(header.map(str::to_owned).to_vec()).chain(rows).collect();
+    let mut header = vec!["material", "volume", "drift", "error", "relative", "f min", "1 - f max", "pieces"];
+    let corrected = summary.materials.iter().any(is_corrected);
+    if corrected {
+        header.extend(["clipped", "rescaled"]);
+    }
+    let mut table: Vec<Vec<String>> = vec![header.into_iter().map(str::to_owned).collect()];
+    for material in &summary.materials {
+        let mut row = row(material).to_vec();
+        if corrected {
+            row.extend(corrections(material).map(|part| format!("{part:.1e}")));
+        }
+        table.push(row);
+    }
     text.push('\n');
     text.push_str(&columns(&table));
     let _ = writeln!(text, "\n{} files in {}", summary.files.len(), folder.display());
     text
+}
+
+/// Volume clipped and rescaled, relative to the volume of the material.
+fn corrections(material: &MaterialSummary) -> [f64; 2] {
+    let volume = material.volume_initial.max(material.volume_final);
+    let relative = |part: f64| if part == 0.0 { 0.0 } else { part / volume };
+    [material.corrections.clipped, material.corrections.rescaled].map(relative)
+}
+
+/// Whether more than rounding was corrected.
+fn is_corrected(material: &MaterialSummary) -> bool {
+    corrections(material).iter().any(|part| part.abs() > ROUNDING)
 }
 
 fn row(material: &MaterialSummary) -> [String; 8] {
@@ -58,7 +84,7 @@ pub fn lines(rows: &[(&str, String)]) -> String {
 }
 
 /// Columns, the first one aligned to the left and the others to the right.
-fn columns(table: &[Vec<String>]) -> String {
+pub fn columns(table: &[Vec<String>]) -> String {
     let count = table.iter().map(Vec::len).max().unwrap_or(0);
     let width = |k: usize| {
         table.iter().filter_map(|row| row.get(k)).map(|cell| cell.chars().count()).max().unwrap_or(0)

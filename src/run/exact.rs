@@ -2,28 +2,31 @@
 
 use vofkit_geometry::{Cell, Vector};
 
+use super::prepare::Setup;
+use crate::advection::End;
 use crate::fractions::volume_fractions;
 use crate::mesh::Mesh;
 use crate::scene::{Resolved, ReversalSetup};
 use crate::shape::{Rotation, Shape};
-use crate::velocity::{RigidMotion, Velocity};
+use crate::velocity::RigidMotion;
 
 /// Overlap of the box of a shape with that of the domain that is rounding, relative to the domain.
 const TOUCHING: f64 = 1e-12;
 
-/// The exact fractions at time `end`; none where they are not known: the shapes deform, or something crossed the
-/// boundary that a rigid motion would bring back.
+/// The exact fractions at the end; none where they are not known: the shapes deform, a material flows in, or something
+/// crossed the boundary that a rigid motion would bring back.
 pub(super) fn fractions<C: Cell<D>, const D: usize>(
     scene: &Resolved<D>,
     mesh: &Mesh<C, D>,
-    velocity: &Velocity,
-    end: f64,
+    setup: &Setup<'_, C, D>,
     crossed: bool,
 ) -> Option<Vec<Vec<f64>>> {
-    let motion = velocity.rigid_motion(0.0, end)?;
-    let stays = scene.reversal == ReversalSetup::None && scene.boundary.inflow.is_none();
+    if is_fed(scene, setup) {
+        return None;
+    }
+    let motion = setup.velocity.rigid_motion(0.0, setup.plan.end)?;
     let is_translation = matches!(motion, RigidMotion::Translation { .. });
-    if crossed && !(is_translation && stays) {
+    if crossed && !(is_translation && scene.reversal == ReversalSetup::None) {
         return None;
     }
     let shapes: Option<Vec<Shape<D>>> = scene
@@ -43,6 +46,13 @@ pub(super) fn fractions<C: Cell<D>, const D: usize>(
         })
         .collect();
     Some(volume_fractions(mesh, &shapes?))
+}
+
+/// Whether a material may have come in: its amount is no measure, for as much may have left elsewhere.
+fn is_fed<C: Cell<D>, const D: usize>(scene: &Resolved<D>, setup: &Setup<'_, C, D>) -> bool {
+    let (ends, periodic) = (setup.transport.boundary().ends, scene.boundary.periodic);
+    let is_open = (0..D).any(|axis| !periodic[axis] && ends[axis].contains(&End::Outflow));
+    scene.boundary.inflow.is_some() && is_open && setup.plan.courant > 0.0
 }
 
 fn planar<const D: usize>(x: &Vector<3>) -> Vector<D> {

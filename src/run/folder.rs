@@ -1,13 +1,21 @@
 //! The output folder: made late, cleared with care, and gone again if nothing was written.
 
-use std::fs;
-use std::io::{self, ErrorKind};
-use std::path::{Component, Path, PathBuf};
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read};
+use std::path::{Path, PathBuf};
 
 use super::RunError;
+use super::history::HISTORY;
+use super::output::{FIRST, LAST, STATES, picture_file, state_file};
 
 /// The name of the account of a run.
 pub(super) const SUMMARY: &str = "summary.json";
+
+/// What the names of files end in until they are complete.
+const PARTIAL: &str = ".partial";
+
+/// Bytes of a time series within which its first file is named.
+const HEAD: u64 = 4096;
 
 /// An output folder, and which folders were made for it.
 #[derive(Debug)]
@@ -34,24 +42,38 @@ impl Folder {
         }
     }
 
-    /// Makes the folder. An existing one, with `force`, loses the files that its summary lists, and nothing else.
+    /// Makes the folder. An existing one, with `force`, loses the files that runs write, and nothing else.
     pub(super) fn open(path: &Path, force: bool) -> Result<Self, RunError> {
-        Self::check(path, force)?;
         let mut folder = Self { path: path.to_owned(), made: Vec::new() };
-        if path.is_dir() {
-            folder.clear()?;
-            return Ok(folder);
-        }
-        let missing: Vec<&Path> =
-            path.ancestors().take_while(|p| !p.as_os_str().is_empty() && !p.exists()).collect();
-        for path in missing.into_iter().rev() {
-            if let Err(error) = fs::create_dir(path) {
+        match folder.make(force) {
+            Ok(()) => Ok(folder),
+            Err(error) => {
                 folder.remove_if_empty();
-                return Err(failed(path, &error));
+                Err(error)
             }
-            folder.made.push(path.to_owned());
         }
-        Ok(folder)
+    }
+
+    fn make(&mut self, force: bool) -> Result<(), RunError> {
+        let path = self.path.clone();
+        Self::check(&path, force)?;
+        let above = path.ancestors().skip(1).filter(|above| !above.as_os_str().is_empty());
+        let missing: Vec<&Path> = above.take_while(|above| !above.exists()).collect();
+        for above in missing.into_iter().rev() {
+            self.make_one(above)?;
+        }
+        // With `..` in the path, the folder may be there only now that those above it are.
+        Self::check(&path, force)?;
+        if path.is_dir() { self.clear() } else { self.make_one(&path) }
+    }
+
+    fn make_one(&mut self, path: &Path) -> Result<(), RunError> {
+        match fs::create_dir(path) {
+            Ok(()) => self.made.push(path.to_owned()),
+            Err(_) if path.is_dir() => {}
+            Err(error) => return Err(failed(path, &error)),
+        }
+        Ok(())
     }
 
     /// The folder.
@@ -60,12 +82,12 @@ impl Folder {
     }
 
     fn clear(&self) -> Result<(), RunError> {
-        let Ok(text) = fs::read(self.path.join(SUMMARY)) else { return Ok(()) };
-        let Ok(summary) = serde_json::from_slice::<serde_json::Value>(&text) else { return Ok(()) };
-        let listed = summary["files"].as_array().into_iter().flatten().filter_map(|name| name.as_str());
-        for name in listed.filter(|name| is_plain(name)) {
-            let path = self.path.join(name);
-            if fs::symlink_metadata(&path).is_ok_and(|there| there.is_file()) {
+        let entries = fs::read_dir(&self.path).map_err(|error| failed(&self.path, &error))?;
+        for entry in entries {
+            let entry = entry.map_err(|error| failed(&self.path, &error))?;
+            let path = entry.path();
+            let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+            if is_file && entry.file_name().to_str().is_some_and(|name| is_of_a_run(name, &path)) {
                 fs::remove_file(&path).map_err(|error| failed(&path, &error))?;
             }
         }
@@ -82,10 +104,35 @@ impl Folder {
     }
 }
 
-/// Whether it is the name of a file and not a path.
-fn is_plain(name: &str) -> bool {
-    let mut parts = Path::new(name).components();
-    matches!((parts.next(), parts.next()), (Some(Component::Normal(part)), None) if part == name)
+/// Whether a run, finished or not, writes files of this name; a time series must have the content of one, too.
+fn is_of_a_run(name: &str, path: &Path) -> bool {
+    let name = name.strip_suffix(PARTIAL).unwrap_or(name);
+    let fixed = [SUMMARY.to_owned(), HISTORY.to_owned(), picture_file(FIRST), picture_file(LAST)];
+    fixed.iter().any(|own| own == name)
+        || is_state(name)
+        || Path::new(name).extension().is_some_and(|extension| extension == "pvd") && names_states(path)
+}
+
+/// Whether it is `fields_0000.vts` or the like, with any number.
+fn is_state(name: &str) -> bool {
+    STATES.iter().any(|(stem, extension)| {
+        let number = name
+            .strip_prefix(stem)
+            .and_then(|rest| rest.strip_prefix('_'))
+            .and_then(|rest| rest.strip_suffix(extension))
+            .and_then(|rest| rest.strip_suffix('.'))
+            .and_then(|digits| digits.parse().ok());
+        number.is_some_and(|number| state_file(stem, number, extension) == name)
+    })
+}
+
+/// Whether the first file that a time series names is one of a run.
+fn names_states(path: &Path) -> bool {
+    let mut head = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
+    let text = String::from_utf8_lossy(&head);
+    let first = text.split_once(" file=\"").and_then(|(_, rest)| rest.split_once('"'));
+    read.is_ok() && first.is_some_and(|(name, _)| is_state(name))
 }
 
 fn refused(path: &Path, problem: impl Into<String>, help: impl Into<String>) -> RunError {

@@ -1,8 +1,9 @@
 //! Runs a scene: everything between a [`Resolved`] scene and the files in the output folder.
 //!
-//! - [`prepare`]: mesh, fractions and transport, with the last errors of the scene; [`plan`]: the time steps;
+//! - [`prepare`]: mesh, fractions and transport, with the last errors of the scene; `memory`: whether they fit;
+//! - [`plan`]: the time steps;
 //! - `folder`, `history`, `output`, `series`: what is written; [`draw`]: pictures, of the meshes that have them;
-//! - `exact`: the exact final state, where it is known; `tally`: running totals;
+//! - `exact`: the exact final state, where it is known; `tally`: running totals; `notes`: what one might not expect;
 //! - [`progress`]: who is told how far it is.
 
 pub mod draw;
@@ -10,6 +11,8 @@ mod error;
 mod exact;
 mod folder;
 mod history;
+mod memory;
+mod notes;
 pub mod output;
 pub mod plan;
 pub mod prepare;
@@ -31,6 +34,8 @@ pub use progress::{Progress, Silent};
 
 use folder::{Folder, SUMMARY};
 use history::{HISTORY, History};
+pub(crate) use memory::megabytes;
+pub(crate) use notes::notes;
 use output::Output;
 use tally::Tally;
 pub(crate) use tally::{mixed_cells, not_asked_for};
@@ -152,9 +157,10 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
             output.files.push(HISTORY.to_owned());
         }
         output.files.push(SUMMARY.to_owned());
-        let exact = exact::fractions(scene, mesh, &self.setup.velocity, plan.end, tally.crossed());
+        let exact = exact::fractions(scene, mesh, &self.setup, tally.crossed());
         let mut summary = tally.summary(scene, &self.setup, mesh, &fractions, exact.as_deref());
         summary.facet_gap_mean = facet_gap_mean(mesh, &facets);
+        summary.notes = notes(scene, mesh, &plan, &schedule);
         summary.skipped.times_after_end = schedule.after_end;
         summary.obj_scale = output.obj_scale;
         summary.threads = self.threads;

@@ -14,6 +14,9 @@ use crate::mesh::Mesh;
 use crate::scene::{OutputSetup, Resolved};
 use crate::velocity::Velocity;
 
+/// Stems and extensions of the files of a state.
+pub(super) const STATES: [(&str, &str); 3] = [("interface", "obj"), ("fields", "vts"), ("interface", "vtp")];
+
 /// The pictures of a run.
 pub(super) const FIRST: &str = "first";
 pub(super) const LAST: &str = "last";
@@ -54,13 +57,8 @@ pub fn names<const D: usize>(scene: &Resolved<D>, schedule: &Schedule) -> Vec<St
     let output = &scene.output;
     let mut names = Vec::new();
     for number in 0..schedule.steps().len() {
-        let of_state = [
-            (output.obj, "interface", "obj"),
-            (output.fields, "fields", "vts"),
-            (output.vtk, "interface", "vtp"),
-        ];
-        let asked = of_state.iter().filter(|(asked, ..)| *asked);
-        names.extend(asked.map(|(_, stem, extension)| state_file(stem, number, extension)));
+        let asked = STATES.iter().zip([output.obj, output.fields, output.vtk]).filter(|(_, asked)| *asked);
+        names.extend(asked.map(|((stem, extension), _)| state_file(stem, number, extension)));
     }
     if !schedule.steps().is_empty() && (output.fields || output.vtk) {
         names.push(series_file(&scene.name));
@@ -83,7 +81,7 @@ pub(super) fn series_file(scene: &str) -> String {
     format!("{scene}.pvd")
 }
 
-fn picture_file(when: &str) -> String {
+pub(super) fn picture_file(when: &str) -> String {
     format!("picture_{when}.svg")
 }
 

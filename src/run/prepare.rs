@@ -2,6 +2,7 @@
 
 use vofkit_geometry::{Cell, Vector};
 
+use super::memory;
 use super::plan::Plan;
 use crate::advection::{Settings, SweepAxes, Transport};
 use crate::fractions::volume_fractions;
@@ -31,8 +32,9 @@ pub struct Setup<'a, C, const D: usize> {
 /// The mesh of a scene.
 ///
 /// # Errors
-/// Cells that cannot be used, all of them in [`SceneError::details`], and amplitudes out of range.
+/// More memory than there is, cells that cannot be used, all of them in [`SceneError::details`], and amplitudes out of range.
 pub fn mesh<C: Cell<D>, const D: usize>(scene: &Resolved<D>) -> Result<Mesh<C, D>, SceneError> {
+    memory::check(scene, memory(scene))?;
     let setup = &scene.mesh;
     let grid = Grid::new(setup.cells, scene.boundary.periodic);
     Mesh::new(grid, setup.lower, setup.upper, &setup.distortion).map_err(|error| match error {
@@ -97,7 +99,9 @@ pub fn setup<'a, C: Cell<D>, const D: usize>(
     mesh: &'a Mesh<C, D>,
 ) -> Result<Setup<'a, C, D>, SceneError> {
     check_periodic(scene, mesh)?;
-    let fluxes = FaceFluxes::new(mesh, &scene.field);
+    let fluxes = FaceFluxes::new(mesh, &scene.field).map_err(|range| {
+        scene.error(Part::Field, range.to_string(), "choose other units of length or time")
+    })?;
     let plan = Plan::new(scene, fluxes.courant_rate(mesh))?;
     let velocity = Velocity { field: scene.field, reversal: plan.reversal(scene.reversal) };
     let settings = Settings {
@@ -159,19 +163,20 @@ pub(super) fn spatial<const D: usize>(x: &Vector<D>) -> Vector<3> {
 }
 
 /// About how many bytes of memory a run of the scene takes.
-pub fn memory<const D: usize>(scene: &Resolved<D>) -> usize {
-    let cells: usize = scene.mesh.cells.iter().product();
+pub fn memory<const D: usize>(scene: &Resolved<D>) -> u64 {
     let distorted = !scene.mesh.distortion.is_none();
-    let number = size_of::<f64>();
+    let number = size_of::<f64>() as u64;
+    let [dimension, materials] = [D, scene.materials.len()].map(|count| count as u64);
     // Nodes, volumes, potentials on edges, fractions, which are there twice at times, and passing values.
-    let mut values = D + 1 + (2 * D - 3) + 2 * scene.materials.len() + 2;
+    let mut values = dimension + 1 + (2 * dimension - 3) + 2 * materials + 2;
     if distorted {
         // Lists of defects.
         values += 3;
         if scene.advection.sweep_axes == SweepAxes::Cartesian {
-            values += 2 * D;
+            values += 2 * dimension;
         }
     }
-    let band = size_of::<u32>();
-    cells * (values * number + band)
+    let band = size_of::<u32>() as u64;
+    let cells = scene.mesh.cells.iter().fold(1_u64, |cells, &count| cells.saturating_mul(count as u64));
+    cells.saturating_mul(values * number + band)
 }

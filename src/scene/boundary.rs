@@ -70,7 +70,7 @@ impl BoundarySection {
         let known: Vec<(&str, Option<usize>)> = std::iter::once((VOID, None))
             .chain(materials.iter().enumerate().map(|(k, name)| (name.as_str(), Some(k))))
             .collect();
-        setup.inflow = context.word("the material that flows in,", inflow, &known, &[])?;
+        setup.inflow = context.word("the inflow material", inflow, &known, &[])?;
         Ok(setup)
     }
 
@@ -107,7 +107,7 @@ fn ends(
     let [lower, upper] = list.get_ref().as_slice() else {
         return Err(context.error(
             list.span(),
-            format!("boundary.{name} has {} entries", list.get_ref().len()),
+            format!("boundary.{name} is a list of {}", list.get_ref().len()),
             "give two, for the lower and the upper end, such as [\"wall\", \"outflow\"]",
         ));
     };

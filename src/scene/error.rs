@@ -22,12 +22,20 @@ struct Inner {
 #[derive(Clone, Debug)]
 pub struct Source {
     code: Arc<NamedSource<String>>,
+    /// The text as it was before values were set in it.
+    original: Option<Arc<NamedSource<String>>>,
 }
 
 impl Source {
     /// The text of the file with this name.
     pub fn new(name: impl AsRef<str>, text: impl Into<String>) -> Self {
-        Self { code: Arc::new(NamedSource::new(name, text.into()).with_language("toml")) }
+        Self { code: Arc::new(NamedSource::new(name, text.into()).with_language("toml")), original: None }
+    }
+
+    /// The text with values set in it. Errors in lines that were there before point at the file.
+    pub(super) fn changed(&self, text: String) -> Self {
+        let name = format!("{} (with --set)", self.code.name());
+        Self { original: Some(self.code.clone()), ..Self::new(name, text) }
     }
 
     /// The whole text.
@@ -42,10 +50,36 @@ impl Source {
         message: impl Into<String>,
         help: impl Into<String>,
     ) -> SceneError {
-        let place = Some((self.clone(), place));
+        let place = Some(self.in_original(&place).unwrap_or_else(|| (self.clone(), place)));
         let [message, help] = [message.into(), help.into()];
         SceneError(Box::new(Inner { message, details: Vec::new(), help, place }))
     }
+}
+
+impl Source {
+    /// The place in the original text, if its lines are there, and in both texts once.
+    fn in_original(&self, place: &Range<usize>) -> Option<(Self, Range<usize>)> {
+        // What is missing is missing after the change.
+        let original = self.original.as_ref().filter(|_| !place.is_empty())?;
+        let text = self.text();
+        let start = text.get(..place.start)?.rfind('\n').map_or(0, |end| end + 1);
+        let end = place.end + text.get(place.end..)?.find('\n').unwrap_or(text.len() - place.end);
+        let lines = text.get(start..end)?;
+        only_place(text, lines)?;
+        let shift = only_place(original.inner(), lines)?;
+        let place = place.start - start + shift..place.end - start + shift;
+        Some((Self { code: original.clone(), original: None }, place))
+    }
+}
+
+/// Where a text has these lines, if it has them once.
+fn only_place(text: &str, lines: &str) -> Option<usize> {
+    let whole = |&(at, _): &(usize, &str)| {
+        let rest = &text[at + lines.len()..];
+        (at == 0 || text[..at].ends_with('\n')) && (rest.is_empty() || rest.starts_with('\n'))
+    };
+    let mut places = text.match_indices(lines).filter(whole);
+    places.next().filter(|_| places.next().is_none()).map(|(at, _)| at)
 }
 
 impl SceneError {

@@ -78,15 +78,18 @@ impl MeshSection {
         context: Context<'_>,
     ) -> Result<MeshSetup<D>, SceneError> {
         let lower = self.lower.get_or_insert_with(|| default(vec![0.0; D]));
+        let below = lower.span();
         let lower = context.vector::<D>("mesh.lower", lower)?;
         let upper = self.upper.get_or_insert_with(|| default(vec![1.0; D]));
         let corner = context.vector::<D>("mesh.upper", upper)?;
+        // Defaults have no place.
+        let place = if upper.span().is_empty() { below } else { upper.span() };
         for axis in 0..D {
             let (low, high) = (lower[axis], corner[axis]);
             if !(high - low > 0.0 && (high - low).is_finite()) {
                 let name = axis_name(axis);
                 return Err(context.error(
-                    upper.span(),
+                    place,
                     format!("the box is empty along {name}: mesh.lower is {low}, mesh.upper {high}"),
                     format!("give an upper end along {name} that is above the lower end"),
                 ));

@@ -157,7 +157,7 @@ impl Scene {
         let mut source = Source::new(file, text);
         if !settings.is_empty() {
             let changed = overrides::apply(&source, settings)?;
-            source = Source::new(format!("{file} (with --set)"), changed);
+            source = source.changed(changed);
         }
         let mut read: SceneFile =
             toml::from_str(source.text()).map_err(|error| unreadable(&source, &error))?;

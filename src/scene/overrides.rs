@@ -6,8 +6,11 @@ use toml_edit::{DocumentMut, InlineTable, Item, Key, Table, TableLike, Value};
 
 use super::error::{SceneError, Source};
 
-/// The text with every `key=value` set, in their order. A value is read as TOML, and as a string where it is none; an empty
-/// value removes the key. Parts of a key are names, or places in a list counted from 0: `material.0.name`.
+/// The word that gives way to a table when a key in it is set, as in `mesh.distortion.wave.amplitude=0.2`.
+const NONE: &str = "none";
+
+/// The text with every `key=value` set, in their order. A value is read as TOML, and as a string where it does not look like
+/// any; an empty value removes the key. Parts of a key are names, or places in a list counted from 0: `material.0.name`.
 pub(super) fn apply(source: &Source, settings: &[String]) -> Result<String, SceneError> {
     let mut document: DocumentMut = source.text().parse().map_err(|error: toml_edit::TomlError| {
         source.error(error.span().unwrap_or(0..0), error.message().trim(), super::TEMPLATE_HELP)
@@ -16,7 +19,7 @@ pub(super) fn apply(source: &Source, settings: &[String]) -> Result<String, Scen
         let wrong = |why: String| {
             SceneError::of_file(
                 format!("cannot set `{setting}`: {why}"),
-                "write --set key=value with a key of the scene, such as --set mesh.cells=[32,32] or \
+                "write --set key=value with a key of the scene, such as --set 'mesh.cells=[32,32]' or \
                  --set material.0.name=water",
             )
         };
@@ -26,14 +29,24 @@ pub(super) fn apply(source: &Source, settings: &[String]) -> Result<String, Scen
         if let [first, _, ..] = keys[..] {
             document.entry(first).or_insert(Item::Table(Table::new()));
         }
-        set(document.as_table_mut(), &keys, parse(value.trim())).map_err(wrong)?;
+        let value = parse(value.trim()).map_err(wrong)?;
+        set(document.as_table_mut(), &keys, value).map_err(wrong)?;
     }
     Ok(document.to_string())
 }
 
 /// The value, or none to remove the key.
-fn parse(text: &str) -> Option<Value> {
-    (!text.is_empty()).then(|| text.parse().unwrap_or_else(|_| Value::from(text)))
+fn parse(text: &str) -> Result<Option<Value>, String> {
+    let Some(first) = text.chars().next() else { return Ok(None) };
+    match text.parse::<Value>() {
+        Ok(value) => Ok(Some(value)),
+        Err(error) if first.is_ascii_digit() || "[{\"'+-.".contains(first) => {
+            let why = error.message().trim().replace('\n', ", ");
+            let quoted = text.replace('"', "");
+            Err(format!("the value is no TOML: {why} (a text would need quotes: '\"{quoted}\"')"))
+        }
+        Err(_) => Ok(Some(Value::from(text))),
+    }
 }
 
 fn set(table: &mut dyn TableLike, keys: &[&str], value: Option<Value>) -> Result<(), String> {
@@ -51,9 +64,24 @@ fn set(table: &mut dyn TableLike, keys: &[&str], value: Option<Value>) -> Result
         Item::ArrayOfTables(list) => {
             let place = place(key, rest[0], list.len())?;
             let table = list.get_mut(place).ok_or("the list ended")?;
-            set(table, &rest[1..], value)
+            match (&rest[1..], value) {
+                ([], None) => drop(list.remove(place)),
+                ([], Some(Value::InlineTable(new))) => *table = new.into_table(),
+                ([], Some(_)) => {
+                    return Err(format!(
+                        "`{key}.{place}` is a whole section; set a key in it, such as {key}.{place}.name"
+                    ));
+                }
+                (rest, value) => return set(table, rest, value),
+            }
+            Ok(())
         }
-        Item::Value(inner) => set_in_value(key, inner, rest, value),
+        Item::Value(inner) => {
+            if inner.as_str() == Some(NONE) {
+                replace(inner, InlineTable::new().into());
+            }
+            set_in_value(key, inner, rest, value)
+        }
         Item::None => Err(format!("`{key}` is not there")),
     }
 }
@@ -71,7 +99,10 @@ fn set_in_value(key: &str, outer: &mut Value, keys: &[&str], value: Option<Value
             }
             Ok(())
         }
-        _ => Err(format!("`{key}` is no table but a value, {}; set it as a whole", outer.to_string().trim())),
+        _ => {
+            let shown = outer.clone().decorated("", "");
+            Err(format!("`{key}` is no table but a value, {shown}; set it as a whole"))
+        }
     }
 }
 

@@ -22,7 +22,7 @@ pub(super) fn read(path: &Path) -> Result<String, SceneError> {
     };
     let too_large = |size: String| {
         SceneError::of_file(
-            format!("the scene file {shown} is too large: {size}, the limit is {LARGEST} bytes (1 MiB)"),
+            format!("the scene file {shown} is too large: {size} the limit of {LARGEST} bytes (1 MiB)"),
             "name a scene file; they are short texts in TOML",
         )
     };
@@ -34,13 +34,13 @@ pub(super) fn read(path: &Path) -> Result<String, SceneError> {
         ));
     }
     if metadata.len() > LARGEST {
-        return Err(too_large(format!("{} bytes", metadata.len())));
+        return Err(too_large(format!("its {} bytes are above", metadata.len())));
     }
     let mut bytes = Vec::new();
     // Pipes and devices have no size beforehand.
     File::open(path).and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes)).map_err(unreadable)?;
     if bytes.len() as u64 > LARGEST {
-        return Err(too_large("more than that".to_owned()));
+        return Err(too_large("it goes on beyond".to_owned()));
     }
     String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();

@@ -109,7 +109,7 @@ pub(super) fn resolve<const D: usize>(
             _ => {
                 return Err(context.error(
                     shape.span(),
-                    format!("the difference has {} shapes", shapes.len()),
+                    format!("the difference is a list of {}", shapes.len()),
                     "give a first shape and at least one that is taken away from it",
                 ));
             }

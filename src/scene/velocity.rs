@@ -59,7 +59,7 @@ pub(super) enum ReversalChoice {
 #[serde(deny_unknown_fields, expecting = "a table with step or time")]
 pub(super) struct FlipChoice {
     #[serde(skip_serializing_if = "Option::is_none")]
-    step: Option<u64>,
+    step: Option<Spanned<u64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     time: Option<Spanned<f64>>,
 }
@@ -158,9 +158,14 @@ impl VelocitySection {
             ReversalChoice::Cosine { period } => {
                 Ok(ReversalSetup::Cosine { period: context.positive("the period", period)? })
             }
-            ReversalChoice::Flip(FlipChoice { step: Some(step), time: None }) => {
-                Ok(ReversalSetup::FlipAtStep { step: *step })
-            }
+            ReversalChoice::Flip(FlipChoice { step: Some(step), time: None }) => match *step.get_ref() {
+                0 => Err(context.error(
+                    step.span(),
+                    "the step of the flip is 0",
+                    "give a whole number of at least 1, or a velocity in the other direction",
+                )),
+                step => Ok(ReversalSetup::FlipAtStep { step }),
+            },
             ReversalChoice::Flip(FlipChoice { step: None, time: Some(time) }) => {
                 Ok(ReversalSetup::FlipAtTime { time: context.positive("the time of the flip", time)? })
             }

@@ -1,5 +1,7 @@
 //! Names, and the messages of the TOML reader in the words of scene files.
 
+use std::ops::Range;
+
 use toml::Spanned;
 
 use super::context::Context;
@@ -7,6 +9,28 @@ use super::error::{SceneError, Source};
 
 /// The longest name of a scene or a material, in bytes: file systems allow 255 with what is appended.
 const LONGEST_NAME: usize = 100;
+
+/// How the reader of TOML starts its message about a word without its values.
+const BARE_WORD: &str = "invalid type: unit variant, expected ";
+
+/// Words that need values, and values for them.
+const VALUES: &[(&[&str], &str)] = &[
+    (&["random"], "{ amplitude = 0.2, seed = 1 }"),
+    (&["wave"], "{ amplitude = 0.5 }"),
+    (&["twist"], "{ angle = 0.5 }"),
+    (&["sphere", "disc"], "{ centre = [..], radius = 0.2 }"),
+    (&["ellipsoid", "ellipse"], "{ centre = [..], semi_axes = [..] }"),
+    (&["box", "rectangle"], "{ centre = [..], lengths = [..] }"),
+    (&["half_space"], "{ normal = [..], constant = 0.5 }"),
+    (&["cylinder"], "{ point = [..], axis = [..], radius = 0.2 }"),
+    (&["slotted_disc"], "{ centre = [..], radius = 0.5, slot_width = 0.12, bridge = 0.4 }"),
+    (&["union", "intersection", "difference"], "[ .., .. ]"),
+    (&["uniform"], "{ velocity = [..] }"),
+    (&["rotation"], "{ centre = [..], rate = 1.0 }"),
+    (&["reversed_vortex", "deformation_3d", "cosine"], "{ period = 3.0 }"),
+    (&["shear_3d"], "{ period = 3.0, speed = 1.0, radius = 0.5 }"),
+    (&["flip"], "{ step = 100 }"),
+];
 
 /// Names of scenes and materials are short printable texts.
 pub(super) fn check_text(what: &str, name: &Spanned<String>, context: Context<'_>) -> Result<(), SceneError> {
@@ -54,7 +78,14 @@ pub(super) fn unreadable(source: &Source, error: &toml::de::Error) -> SceneError
         ("variant", "word"),
         ("field", "key"),
     ];
+    if error.message().starts_with(BARE_WORD) {
+        return bare_word(source, error.span().unwrap_or(0..0));
+    }
     let message = match error.message() {
+        message if message.contains("struct variant ") || message.contains("newtype variant ") => {
+            let (found, _) = message.split_once(", expected").unwrap_or((message, ""));
+            format!("{found}, expected a table of values")
+        }
         "wanted exactly 1 element, more than 1 element" => {
             "one choice is wanted here, and there are several".to_owned()
         }
@@ -63,6 +94,16 @@ pub(super) fn unreadable(source: &Source, error: &toml::de::Error) -> SceneError
         }
     };
     source.error(error.span().unwrap_or(0..0), message, super::TEMPLATE_HELP)
+}
+
+/// A word that stands alone where it needs values.
+fn bare_word(source: &Source, place: Range<usize>) -> SceneError {
+    let word = source.text().get(place.clone()).unwrap_or_default().trim_matches(['"', '\'']);
+    let message = match VALUES.iter().find(|(words, _)| words.contains(&word)) {
+        Some((_, values)) => format!("`{word}` needs values: {{ {word} = {values} }}"),
+        None => format!("`{word}` needs values: {{ {word} = {{ .. }} }}"),
+    };
+    source.error(place, message, super::TEMPLATE_HELP)
 }
 
 /// Replaces whole words outside of backticks.

@@ -1,0 +1,34 @@
+//! What a run tells besides its numbers.
+
+use vofkit_geometry::Cell;
+
+use super::output::Schedule;
+use super::plan::Plan;
+use crate::mesh::Mesh;
+use crate::scene::{Resolved, ReversalSetup};
+
+/// What a run of the scene does not do although the scene says so, and what is odd about its mesh.
+pub(crate) fn notes<C: Cell<D>, const D: usize>(
+    scene: &Resolved<D>,
+    mesh: &Mesh<C, D>,
+    plan: &Plan,
+    schedule: &Schedule,
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some(first) = mesh.notices().first() {
+        let (count, cell) = (mesh.notices().len(), &first.cell);
+        notes.push(format!("{count} odd but legal cells, such as {cell:?}: {}", first.defect));
+    }
+    for time in &schedule.after_end {
+        notes.push(format!("the output time {time} is after the end and will not be reached"));
+    }
+    let late = match scene.reversal {
+        ReversalSetup::FlipAtStep { step } => step >= plan.steps as u64,
+        ReversalSetup::FlipAtTime { time } => time >= plan.end,
+        _ => false,
+    };
+    if late {
+        notes.push("the flip of the velocity is after the end and will not be reached".to_owned());
+    }
+    notes
+}
