@@ -107,12 +107,6 @@ fn check_length(path: &Path, name: &str, found: usize, cells: usize) -> Result<(
     Err(ExportError::data(path, format!("`{name}` has {found} values, the mesh has {cells} cells")))
 }
 
-/// A point or direction with the third component that viewers ask for, 0 in 2D.
-#[cfg(any(feature = "obj", feature = "vtk"))]
-fn spatial<const D: usize>(vector: &vofkit_geometry::Vector<D>) -> [f64; 3] {
-    std::array::from_fn(|axis| if axis < D { vector[axis] } else { 0.0 })
-}
-
 /// The text with a blank for every character that XML forbids or that would break a line.
 #[cfg(any(feature = "plot", feature = "vtk"))]
 fn printable(text: &str) -> String {

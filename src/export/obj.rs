@@ -10,8 +10,9 @@ use obj_exporter::{Geometry, ObjSet, Object, Primitive, Shape, Vertex, export};
 use vofkit_geometry::Vector;
 
 use super::triangulation::triangles;
-use super::{ExportError, check_materials, spatial, write_file};
+use super::{ExportError, check_materials, write_file};
 use crate::facet::Facet;
+use crate::space::spatial;
 
 /// Largest error of a written coordinate: half of the last printed decimal.
 const PRINTED_ERROR: f64 = 0.5e-6;
@@ -47,10 +48,9 @@ pub fn write_obj<const D: usize>(
     let mut objects: Vec<Object> = names.iter().map(|name| empty_object(object_name(name, power))).collect();
     for facet in facets {
         let object = &mut objects[facet.material];
-        let normal = Vector::<3>::from(spatial(&facet.normal));
+        let normal = spatial(&facet.normal);
         for points in &facet.loops {
-            let points: Vec<_> =
-                points.iter().map(|point| Vector::<3>::from(spatial(point)) * scale).collect();
+            let points: Vec<_> = points.iter().map(|point| spatial(point) * scale).collect();
             add_loop::<D>(object, &points, &normal);
         }
     }

@@ -8,6 +8,7 @@ use crate::fractions::volume_fractions;
 use crate::mesh::Mesh;
 use crate::scene::{Resolved, ReversalSetup};
 use crate::shape::{Rotation, Shape};
+use crate::space::planar;
 use crate::velocity::RigidMotion;
 
 /// Overlap of the box of a shape with that of the domain that is rounding, relative to the domain.
@@ -53,10 +54,6 @@ fn is_fed<C: Cell<D>, const D: usize>(scene: &Resolved<D>, setup: &Setup<'_, C, 
     let (ends, periodic) = (setup.transport.boundary().ends, scene.boundary.periodic);
     let is_open = (0..D).any(|axis| !periodic[axis] && ends[axis].contains(&End::Outflow));
     scene.boundary.inflow.is_some() && is_open && setup.plan.courant > 0.0
-}
-
-fn planar<const D: usize>(x: &Vector<3>) -> Vector<D> {
-    Vector::from_fn(|k, _| x[k])
 }
 
 fn is_inside<C: Cell<D>, const D: usize>(shape: &Shape<D>, mesh: &Mesh<C, D>) -> bool {

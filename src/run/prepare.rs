@@ -10,6 +10,7 @@ use crate::mesh::{Grid, Mesh, MeshError, axis_name};
 use crate::metrics::material_volume;
 use crate::scene::{Part, Resolved, SceneError};
 use crate::shape::Shape;
+use crate::space::spatial;
 use crate::velocity::{FaceFluxes, Velocity};
 
 /// Unusable cells that an error names; the others are in its details.
@@ -155,11 +156,6 @@ fn check_periodic<C: Cell<D>, const D: usize>(
         }
     }
     Ok(())
-}
-
-/// The point in space: two-dimensional meshes lie in the plane z = 0.
-pub(super) fn spatial<const D: usize>(x: &Vector<D>) -> Vector<3> {
-    Vector::<3>::from_fn(|k, _| if k < D { x[k] } else { 0.0 })
 }
 
 /// About how many bytes of memory a run of the scene takes.

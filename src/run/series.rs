@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use vofkit_geometry::{Cell, Vector};
 
 use super::output::{series_file, state_file};
-use super::prepare::spatial;
 use crate::export::ExportError;
 use crate::export::vtk::{CellArray, Collection, fraction_arrays, write_poly_data, write_structured_grid};
 use crate::facet::Facet;
 use crate::mesh::Mesh;
 use crate::parallel;
 use crate::scene::Resolved;
+use crate::space::spatial;
 use crate::velocity::Velocity;
 
 /// The VTK files of a run.

@@ -6,6 +6,7 @@ use vofkit_geometry::Vector;
 
 use super::context::{Context, Numbers, axis, default};
 use super::error::SceneError;
+use crate::space::spatial;
 use crate::velocity::Field;
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -176,9 +177,4 @@ impl VelocitySection {
             )),
         }
     }
-}
-
-/// The vector in space: two-dimensional meshes lie in the plane z = 0.
-fn spatial<const D: usize>(vector: &Vector<D>) -> Vector<3> {
-    Vector::<3>::from_fn(|k, _| if k < D { vector[k] } else { 0.0 })
 }

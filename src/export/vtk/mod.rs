@@ -17,7 +17,15 @@ pub use collection::Collection;
 pub use poly_data::write_poly_data;
 pub use structured_grid::{CellArray, CellValues, fraction_arrays, write_structured_grid};
 
+use vofkit_geometry::Vector;
+
 use super::printable;
+use crate::space::spatial;
+
+/// The three components of a point or direction.
+fn components<const D: usize>(x: &Vector<D>) -> [f64; 3] {
+    spatial(x).into()
+}
 
 /// The text as it may stand in an attribute of XML.
 fn escaped(text: &str) -> String {

@@ -5,8 +5,10 @@ use std::path::Path;
 use vofkit_geometry::Vector;
 
 use super::appended::{Document, Values};
-use crate::export::{ExportError, spatial, write_file};
+use super::components;
+use crate::export::{ExportError, write_file};
 use crate::facet::Facet;
+use crate::space::spatial;
 
 /// Writes interface facets as VTK poly data: polygons in 3D, lines in 2D, with `cell` and `material`
 /// (indices), `normal` (three components) and `area` as cell data.
@@ -42,7 +44,7 @@ pub fn write_poly_data<const D: usize>(
         "Points",
         3,
         points,
-        Values::float(polygons().flat_map(|(_, p)| p.iter().flat_map(spatial))),
+        Values::float(polygons().flat_map(|(_, p)| p.iter().flat_map(components))),
     );
     document.close();
     document.open(element, "");
@@ -60,7 +62,7 @@ pub fn write_poly_data<const D: usize>(
         "normal",
         3,
         count,
-        Values::float(polygons().flat_map(|(facet, _)| spatial(&facet.normal))),
+        Values::float(polygons().flat_map(|(facet, _)| components(&facet.normal))),
     );
     document.array("area", 1, count, Values::float(facets.iter().flat_map(areas)));
     write_file(path, |writer| document.write(writer))
@@ -88,7 +90,7 @@ fn area<const D: usize>(points: &[Vector<D>], normal: &Vector<D>) -> f64 {
         return points.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
     }
     // About the first point, so that no digits are lost to the place of the mesh.
-    let [normal, first] = [spatial(normal), spatial(&points[0])].map(Vector::<3>::from);
-    let arm = |point: &Vector<D>| Vector::<3>::from(spatial(point)) - first;
+    let [normal, first] = [spatial(normal), spatial(&points[0])];
+    let arm = |point: &Vector<D>| spatial(point) - first;
     points.windows(2).map(|ends| 0.5 * arm(&ends[0]).cross(&arm(&ends[1])).dot(&normal)).sum()
 }

@@ -5,7 +5,8 @@ use std::path::Path;
 use vofkit_geometry::{Cell, Vector};
 
 use super::appended::{Document, Values};
-use crate::export::{ExportError, check_length, spatial, write_file};
+use super::components;
+use crate::export::{ExportError, check_length, write_file};
 use crate::mesh::Mesh;
 
 /// One value per cell, by cell index.
@@ -70,7 +71,7 @@ pub fn write_structured_grid<C: Cell<D>, const D: usize>(
     document.open("StructuredGrid", &format!("WholeExtent=\"{extent}\""));
     document.open("Piece", &format!("Extent=\"{extent}\""));
     document.open("Points", "");
-    let points = Values::float(mesh.nodes().iter().flat_map(spatial));
+    let points = Values::float(mesh.nodes().iter().flat_map(components));
     document.array("Points", 3, mesh.nodes().len(), points);
     document.close();
     document.open("CellData", "");
@@ -80,7 +81,7 @@ pub fn write_structured_grid<C: Cell<D>, const D: usize>(
                 document.array(name, 1, cells, Values::float(values.iter().copied()));
             }
             CellValues::Vector(values) => {
-                document.array(name, 3, cells, Values::float(values.iter().flat_map(spatial)));
+                document.array(name, 3, cells, Values::float(values.iter().flat_map(components)));
             }
         }
     }
