@@ -54,7 +54,7 @@ pub enum Command {
         /// Print nothing but errors.
         #[arg(long)]
         quiet: bool,
-        /// Set a value of the scene, such as 'mesh.cells=[32,32]' or material.0.name=water; an empty value removes the key.
+        /// Set a value of the scene, such as `'mesh.cells=[32,32]'` or `material.0.name=water`; an empty value removes the key.
         #[arg(long, value_name = "KEY=VALUE")]
         set: Vec<String>,
     },
