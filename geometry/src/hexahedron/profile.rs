@@ -120,8 +120,15 @@ impl Monotone for Profile<'_> {
         Value { value: (triple + depth * derivative) / 3.0, derivative }
     }
 
+    /// From the affine part: for small parts with the lowest corners in one place and the heights stretched, for others with the
+    /// middles in one place; over the first sixteenth of the cell the one gives way to the other.
     fn start(&self, fraction: f64) -> f64 {
-        self.cube.position(fraction).0 * (self.span() / self.cube.span())
+        let depth = self.cube.position(fraction).0;
+        let stretched = depth * (self.span() / self.cube.span());
+        let middle = self.along.heights.iter().sum::<f64>() / 8.0;
+        let centred = depth + (middle - 0.5 * self.cube.span());
+        let weight = (16.0 * fraction).min(1.0);
+        (stretched + weight * (centred - stretched)).clamp(0.0, self.span())
     }
 
     fn closed_form(&self, _fraction: f64) -> Option<(f64, usize)> {
