@@ -304,6 +304,21 @@ fn a_step_that_is_too_large_names_the_cell_and_changes_nothing() {
 }
 
 #[test]
+fn a_fraction_that_is_none_names_the_cell_and_changes_nothing() {
+    let mesh: Mesh2 = unit_mesh(8, Distortion::None);
+    let mut transport = transport(&mesh, steady(Field::ReversedVortex), SweepAxes::Logical);
+    let end = 0.5 / transport.courant_rate();
+    for bad in [f64::NAN, f64::NEG_INFINITY, -1e-3, 2.0] {
+        let mut fractions = volume_fractions(&mesh, &[disc([0.5, 0.6], 0.2)]);
+        fractions[0][19] = bad;
+        let start = fractions.clone();
+        let error = transport.step(&mut fractions, 0, 0.0, end).expect_err("not a fraction");
+        assert!(matches!(&error, StepError::Reconstruction(e) if e.cell == [3, 2]), "{error}");
+        assert!(fractions[0].iter().zip(&start[0]).all(|(a, b)| a.to_bits() == b.to_bits()));
+    }
+}
+
+#[test]
 fn a_wall_that_is_crossed_is_refused() {
     let mesh: Mesh2 = unit_mesh(8, Distortion::None);
     let mut settings = Settings::default();

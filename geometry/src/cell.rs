@@ -19,9 +19,6 @@ pub struct Truncation {
 /// *offset* `[i, j(, k)]`, each 0 or 1, to the node of that corner. Face `2 a + b` is the one where the
 /// coordinate along the logical axis `a` equals `b`.
 pub trait Cell<const D: usize>: Copy + Send + Sync + std::fmt::Debug + 'static {
-    /// Number of nodes, `2^D`.
-    const NODES: usize;
-
     /// Number of faces, `2 D`.
     const FACES: usize;
 

@@ -214,7 +214,6 @@ fn volume([j1, j2, j3]: &[Vector3; 3], [b12, b13, b23, _]: &[Vector3; 4]) -> f64
 }
 
 impl Cell<3> for Hexahedron {
-    const NODES: usize = 8;
     const FACES: usize = 6;
     const VTK_CELL_TYPE: u8 = 12;
     const OFFSETS: &'static [[usize; 3]] =

@@ -220,7 +220,6 @@ impl Along<'_> {
 }
 
 impl Cell<2> for Quad {
-    const NODES: usize = 4;
     const FACES: usize = 4;
     const VTK_CELL_TYPE: u8 = 9;
     const OFFSETS: &'static [[usize; 2]] = &[[0, 0], [1, 0], [1, 1], [0, 1]];

@@ -89,8 +89,8 @@ impl Band {
     }
 }
 
-/// Adds the cells of the row along the first axis from `start` whose fraction is mixed, or differs from a neighbour's or
-/// from what flows in. A cell may come more than once.
+/// Adds the cells of the row along the first axis from `start` whose fraction differs from a neighbour's or from what flows in. A
+/// cell may come more than once. Where a mixed cell has a normal, one of these is next to it.
 fn unsettled_in_row<const D: usize>(
     grid: &Grid<D>,
     f: &[f64],
@@ -126,10 +126,6 @@ fn unsettled_in_row<const D: usize>(
                 mark(i);
             }
         }
-    }
-    if row[0] != 0.0 && row[0] != 1.0 {
-        // Also those that equal both neighbours.
-        (0..length).filter(|&i| row[i] != 0.0 && row[i] != 1.0).for_each(&mut mark);
     }
     for (side, i) in [0, length - 1].into_iter().enumerate() {
         let differs = match grid.neighbour(start + i, 0, side) {

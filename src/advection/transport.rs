@@ -7,7 +7,7 @@ use super::boundary::{Boundary, End, WallCrossed};
 use super::ledger::Ledger;
 use super::motion::{Motion, NodalMotion};
 use super::sweeps::{Sweep, Sweeps};
-use crate::interface::{Reconstruction, ReconstructionError};
+use crate::interface::{Reconstruction, ReconstructionError, check_fractions};
 use crate::mesh::Mesh;
 use crate::velocity::{FaceFluxes, FluxRange, Velocity};
 
@@ -148,7 +148,8 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
     /// Advances `fractions[material][cell]` from `start` to `end`. The order of the sweeps alternates with `step`.
     ///
     /// # Errors
-    /// A time step that is too large, or a plane that was not found; the fractions are then as before.
+    /// A time step that is too large, a fraction that is not in `[0, 1]`, or a plane that was not found; the fractions are then
+    /// as before.
     pub fn step(
         &mut self,
         fractions: &mut [Vec<f64>],
@@ -160,6 +161,9 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
         let duration = self.velocity.duration(start, end);
         if duration == 0.0 || fractions.is_empty() {
             return Ok(ledger);
+        }
+        for fractions in fractions.iter() {
+            check_fractions(self.mesh.grid(), fractions)?;
         }
         // Along mesh lines a cell's content moves by one cell per axis; with Cartesian sweeps, each over all faces, by D.
         let radius = if self.nodes.is_some() { D } else { 1 };

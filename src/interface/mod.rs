@@ -3,7 +3,7 @@
 use vofkit_geometry::{Cell, HalfSpace, PositionError, PositionMethod};
 
 use crate::facet::Facet;
-use crate::mesh::Mesh;
+use crate::mesh::{Grid, Mesh};
 use crate::normal::{NormalMethod, Stencil};
 use crate::parallel;
 
@@ -88,6 +88,21 @@ pub fn is_mixed(fraction: f64) -> bool {
     fraction > 0.0 && fraction < 1.0
 }
 
+/// Checks that all fractions lie in `[0, 1]`; `fractions` has one value per cell.
+///
+/// # Errors
+/// The first fraction that does not, or is not a number.
+pub fn check_fractions<const D: usize>(grid: &Grid<D>, fractions: &[f64]) -> Result<(), ReconstructionError> {
+    match fractions.iter().position(|fraction| !(0.0..=1.0).contains(fraction)) {
+        None => Ok(()),
+        Some(index) => Err(ReconstructionError {
+            cell: grid.offset(index).to_vec(),
+            fraction: fractions[index],
+            source: PositionError::Fraction(fractions[index]),
+        }),
+    }
+}
+
 /// Places the plane of one mixed cell; `cell` is [`Mesh::local_cell`] of `index`.
 ///
 /// # Errors
@@ -126,7 +141,7 @@ pub struct Interface<const D: usize> {
 /// Reconstructs the interface of every material (`fractions[material][cell]`) in every mixed cell.
 ///
 /// # Errors
-/// See [`place`].
+/// See [`check_fractions`] and [`place`].
 pub fn reconstruct<C: Cell<D>, const D: usize>(
     mesh: &Mesh<C, D>,
     fractions: &[Vec<f64>],
@@ -134,6 +149,7 @@ pub fn reconstruct<C: Cell<D>, const D: usize>(
 ) -> Result<Interface<D>, ReconstructionError> {
     let mut interface = Interface::default();
     for (material, fractions) in fractions.iter().enumerate() {
+        check_fractions(mesh.grid(), fractions)?;
         let mixed: Vec<usize> = (0..fractions.len()).filter(|&i| is_mixed(fractions[i])).collect();
         let placed = parallel::map(mixed.len(), |i| {
             let index = mixed[i];

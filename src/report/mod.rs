@@ -118,7 +118,7 @@ pub struct MaterialSummary {
     pub shape_error: Option<f64>,
     /// The same over the initial volume.
     pub shape_error_relative: Option<f64>,
-    /// Connected pieces at the end.
+    /// Fragments at the end: connected pieces that hold more than 1e-4 of the material.
     pub fragments: usize,
     /// The part of the volume outside the largest piece.
     pub stray_volume: f64,

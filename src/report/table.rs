@@ -32,7 +32,8 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
     ];
     rows.extend(summary.notes.iter().map(|note| ("note", note.clone())));
     let mut text = lines(&rows);
-    let mut header = vec!["material", "volume", "drift", "error", "relative", "f min", "1 - f max", "pieces"];
+    let mut header =
+        vec!["material", "volume", "drift", "error", "relative", "f min", "1 - f max", "fragments"];
     let corrected = summary.materials.iter().any(is_corrected);
     if corrected {
         header.extend(["clipped", "rescaled"]);

@@ -101,11 +101,6 @@ impl SceneError {
         &self.0.message
     }
 
-    /// What would be right.
-    pub fn advice(&self) -> &str {
-        &self.0.help
-    }
-
     /// Everything that the error is about, such as each unusable cell of the mesh; empty where the message says it all.
     pub fn details(&self) -> &[String] {
         &self.0.details
