@@ -8,6 +8,7 @@ use proptest::test_runner::RngSeed;
 use vofkit::advection::{End, Ledger, Settings, SetupError, StepError, SweepAxes, Transport};
 use vofkit::fractions::volume_fractions;
 use vofkit::geometry::{Cell, HalfSpace, Vector};
+use vofkit::interface::ReconstructionError;
 use vofkit::mesh::{Distortion, Grid, Mesh, MeshError};
 use vofkit::metrics::{material_volume, shape_error};
 use vofkit::shape::Shape;
@@ -313,9 +314,14 @@ fn a_fraction_that_is_none_names_the_cell_and_changes_nothing() {
         fractions[0][19] = bad;
         let start = fractions.clone();
         let error = transport.step(&mut fractions, 0, 0.0, end).expect_err("not a fraction");
-        assert!(matches!(&error, StepError::Reconstruction(e) if e.cell == [3, 2]), "{error}");
+        assert!(
+            matches!(&error, StepError::Reconstruction(ReconstructionError::Cell { cell, .. }) if cell == &[3, 2]),
+            "{error}"
+        );
         assert!(fractions[0].iter().zip(&start[0]).all(|(a, b)| a.to_bits() == b.to_bits()));
     }
+    let short = transport.step(&mut [vec![0.5; 63]], 0, 0.0, end).expect_err("too few fractions");
+    assert_eq!(short, StepError::Reconstruction(ReconstructionError::Length { given: 63, cells: 64 }));
 }
 
 #[test]

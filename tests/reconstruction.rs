@@ -5,7 +5,7 @@ mod common;
 use common::{Mesh2, Mesh3, random, unit_mesh};
 use vofkit::fractions::volume_fractions;
 use vofkit::geometry::{Cell, HalfSpace, PositionError, Vector};
-use vofkit::interface::{Reconstruction, is_mixed, reconstruct};
+use vofkit::interface::{Reconstruction, ReconstructionError, is_mixed, reconstruct};
 use vofkit::mesh::{Distortion, Mesh};
 use vofkit::metrics::{facet_gap_mean, fragments};
 use vofkit::normal::{NormalMethod, Stencil};
@@ -127,9 +127,13 @@ fn a_fraction_that_is_no_number_is_an_error_that_says_where() {
     for bad in [f64::NAN, f64::INFINITY, -0.1, 1.1] {
         fractions[0][5] = bad;
         let error = reconstruct(&mesh, &fractions, Reconstruction::default()).expect_err("not a fraction");
-        assert_eq!(error.cell, [1, 1]);
-        assert!(matches!(error.source, PositionError::Fraction(_)), "{error}");
+        let ReconstructionError::Cell { cell, source: PositionError::Fraction(_), .. } = error else {
+            panic!("{error}")
+        };
+        assert_eq!(cell, [1, 1]);
     }
+    let short = reconstruct(&mesh, &[vec![0.5; 15]], Reconstruction::default()).map(|_| ());
+    assert_eq!(short, Err(ReconstructionError::Length { given: 15, cells: 16 }));
 }
 
 #[test]

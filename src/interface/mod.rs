@@ -32,16 +32,27 @@ pub enum Placed<const D: usize> {
     NoNormal,
 }
 
-/// A plane constant that was not found.
+/// Why there is no reconstruction.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("no plane in cell {cell:?} with fraction {fraction}: {source}")]
-pub struct ReconstructionError {
-    /// The cell's index along each axis.
-    pub cell: Vec<usize>,
-    /// Its fraction.
-    pub fraction: f64,
-    /// What went wrong.
-    pub source: PositionError,
+pub enum ReconstructionError {
+    /// A fraction that is none, or a plane constant that was not found.
+    #[error("no plane in cell {cell:?} with fraction {fraction}: {source}")]
+    Cell {
+        /// The cell's index along each axis.
+        cell: Vec<usize>,
+        /// Its fraction.
+        fraction: f64,
+        /// What went wrong.
+        source: PositionError,
+    },
+    /// Fractions that are not one for each cell.
+    #[error("{given} fractions are given for a mesh of {cells} cells")]
+    Length {
+        /// Number of fractions.
+        given: usize,
+        /// Number of cells.
+        cells: usize,
+    },
 }
 
 /// Counts of what a reconstruction did.
@@ -88,14 +99,17 @@ pub fn is_mixed(fraction: f64) -> bool {
     fraction > 0.0 && fraction < 1.0
 }
 
-/// Checks that all fractions lie in `[0, 1]`; `fractions` has one value per cell.
+/// Checks that there is one fraction for each cell, and that all lie in `[0, 1]`.
 ///
 /// # Errors
-/// The first fraction that does not, or is not a number.
+/// Another number of fractions, or the first fraction that does not, or is not a number.
 pub fn check_fractions<const D: usize>(grid: &Grid<D>, fractions: &[f64]) -> Result<(), ReconstructionError> {
+    if fractions.len() != grid.len() {
+        return Err(ReconstructionError::Length { given: fractions.len(), cells: grid.len() });
+    }
     match fractions.iter().position(|fraction| !(0.0..=1.0).contains(fraction)) {
         None => Ok(()),
-        Some(index) => Err(ReconstructionError {
+        Some(index) => Err(ReconstructionError::Cell {
             cell: grid.offset(index).to_vec(),
             fraction: fractions[index],
             source: PositionError::Fraction(fractions[index]),
@@ -120,7 +134,7 @@ pub fn place<C: Cell<D>, const D: usize>(
         return Ok(Placed::NoNormal);
     };
     let found = cell.plane_constant(&normal, fractions[index], method.position).map_err(|source| {
-        ReconstructionError { cell: offset.to_vec(), fraction: fractions[index], source }
+        ReconstructionError::Cell { cell: offset.to_vec(), fraction: fractions[index], source }
     })?;
     Ok(Placed::Plane {
         half_space: HalfSpace { normal, constant: found.constant },
