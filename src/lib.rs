@@ -3,7 +3,7 @@
 //! Data travels one way, and the rooms below are in that order:
 //!
 //! 1. [`geometry`]: cells, planes, truncated volumes and plane constants;
-//! 2. [`mesh`]: structured meshes, distorted and checked;
+//! 2. [`mesh`]: structured meshes, distorted, checked, and moved over a run;
 //! 3. [`shape`] and [`fractions`]: from shapes to volume fractions; [`velocity`]: fields and the volumes that cross faces;
 //! 4. [`normal`] and [`interface`]: a plane in every mixed cell, and its [`facet`];
 //! 5. [`advection`]: fractions a step later, with a ledger of what was done;
@@ -40,6 +40,7 @@ pub mod mesh;
 pub mod metrics;
 pub mod normal;
 pub mod parallel;
+mod quanta;
 #[cfg(feature = "cli")]
 pub mod report;
 #[cfg(feature = "cli")]
@@ -58,7 +59,7 @@ pub mod prelude {
     pub use crate::fractions::volume_fractions;
     pub use crate::geometry::{Cell, HalfSpace, Hexahedron, PositionMethod, Quad, Vector};
     pub use crate::interface::{Interface, Reconstruction, reconstruct};
-    pub use crate::mesh::{Distortion, Grid, Mesh};
+    pub use crate::mesh::{Distortion, Grid, Mesh, MeshMotion, MeshPath, SweptVolumes};
     pub use crate::metrics::{fragments, material_volume, shape_error};
     pub use crate::normal::NormalMethod;
     pub use crate::shape::{Rotation, Shape};

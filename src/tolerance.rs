@@ -23,6 +23,10 @@ pub const OUTFLOW_EXCESS: f64 = 1e-12;
 /// sum of the steps.
 pub const REVERSAL_ROUNDING: f64 = 1e-12;
 
+/// The moves of a node and of its image at a joined end may differ by this, relative to the size of the mesh: rounding. Without
+/// a limit joined ends could come apart.
+pub const PERIODIC_MOTION: f64 = 1e-12;
+
 /// A cell belongs to a fragment of a material where its fraction is above this: wisps below it join nothing.
 pub const FRAGMENT_FRACTION: f64 = 1e-6;
 

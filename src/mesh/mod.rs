@@ -1,10 +1,12 @@
 //! Structured meshes of quadrilaterals (`D = 2`) and hexahedra (`D = 3`).
 //!
 //! [`grid`] counts cells, nodes and neighbours; [`distortion`] moves nodes; this file joins them to a [`Mesh`] whose cells
-//! are all checked when it is made.
+//! are all checked when it is made. [`motion`] moves a mesh over a run, and [`swept`] counts what its faces then sweep.
 
 pub mod distortion;
 pub mod grid;
+pub mod motion;
+pub mod swept;
 
 use std::marker::PhantomData;
 
@@ -12,6 +14,8 @@ use vofkit_geometry::{Cell, Defect, Vector};
 
 pub use distortion::Distortion;
 pub use grid::Grid;
+pub use motion::{MeshMotion, MeshPath, MotionError};
+pub use swept::SweptVolumes;
 
 use crate::parallel;
 use crate::tolerance::RANGE;
@@ -134,20 +138,7 @@ impl<C: Cell<D>, const D: usize> Mesh<C, D> {
                 return Err(MeshError::EmptyBox { axis, lower, upper });
             }
         }
-        let place = |axis: usize, i: usize| {
-            let n = cells[axis];
-            if i == n {
-                upper[axis]
-            } else {
-                lower[axis] + (upper[axis] - lower[axis]) * (i as f64 / n as f64)
-            }
-        };
-        let mut nodes: Vec<_> = (0..grid.node_count())
-            .map(|node| {
-                let at = grid.node_offset(node);
-                Vector::from_fn(|axis, _| place(axis, at[axis]))
-            })
-            .collect();
+        let mut nodes = box_nodes(&grid, &lower, &upper);
         distortion.apply(&grid, &lower, &upper, &mut nodes)?;
         Self::checked(grid, lower, upper, nodes, distortion.is_none())
     }
@@ -178,6 +169,14 @@ impl<C: Cell<D>, const D: usize> Mesh<C, D> {
         let lower = nodes.iter().fold(nodes[0], |a, b| a.inf(b));
         let upper = nodes.iter().fold(nodes[0], |a, b| a.sup(b));
         Self::checked(grid, lower, upper, nodes, false)
+    }
+
+    /// The same cells with their nodes elsewhere.
+    ///
+    /// # Errors
+    /// As [`Mesh::from_nodes`].
+    pub fn moved(&self, nodes: Vec<Vector<D>>) -> Result<Self, MeshError> {
+        Self::from_nodes(self.grid.clone(), nodes)
     }
 
     fn checked(
@@ -278,6 +277,21 @@ impl<C: Cell<D>, const D: usize> Mesh<C, D> {
         let at = self.grid.offset(index);
         C::from_corners(|offset| self.nodes[self.grid.node_index(add(at, offset))])
     }
+}
+
+/// The nodes of the box from `lower` to `upper` cut into equal cells.
+fn box_nodes<const D: usize>(grid: &Grid<D>, lower: &Vector<D>, upper: &Vector<D>) -> Vec<Vector<D>> {
+    let cells = grid.cells();
+    let place = |axis: usize, i: usize| {
+        let n = cells[axis];
+        if i == n { upper[axis] } else { lower[axis] + (upper[axis] - lower[axis]) * (i as f64 / n as f64) }
+    };
+    (0..grid.node_count())
+        .map(|node| {
+            let at = grid.node_offset(node);
+            Vector::from_fn(|axis, _| place(axis, at[axis]))
+        })
+        .collect()
 }
 
 fn add<const D: usize>(a: [usize; D], b: [usize; D]) -> [usize; D] {

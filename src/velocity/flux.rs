@@ -11,8 +11,9 @@ use vofkit_geometry::{Cell, Vector};
 use super::Field;
 use crate::mesh::{Grid, Mesh};
 use crate::parallel;
+use crate::quanta::Quanta;
 use crate::space::spatial;
-use crate::tolerance::{FLUX_BITS, RANGE};
+use crate::tolerance::RANGE;
 
 /// Points and weights on `[0, 1]` for the integral of the potential along an edge.
 const EDGE_POINTS: usize = 5;
@@ -50,8 +51,7 @@ pub struct FluxRange {
 pub struct StepFluxes<'a, const D: usize> {
     source: &'a FaceFluxes<D>,
     duration: f64,
-    /// Adding and subtracting this rounds to a multiple of the step's power of two.
-    rounder: f64,
+    quanta: Quanta,
 }
 
 /// Directions of the edges that carry the potential: in 2D z alone, whose edges are the nodes.
@@ -126,10 +126,7 @@ impl<const D: usize> FaceFluxes<D> {
 
     /// The volumes that cross the faces while the steady field acts for `duration`.
     pub fn step(&self, duration: f64) -> StepFluxes<'_, D> {
-        let exponent = (self.largest * duration.abs()).max(f64::MIN_POSITIVE).log2().ceil() as i32;
-        // 1.5 * 2^52 quanta: the sum with a number below 2^51 quanta is rounded to whole quanta.
-        let rounder = 1.5 * 2.0_f64.powi(52 + exponent - FLUX_BITS);
-        StepFluxes { source: self, duration, rounder }
+        StepFluxes { source: self, duration, quanta: Quanta::new(self.largest * duration.abs()) }
     }
 }
 
@@ -178,6 +175,6 @@ impl<const D: usize> StepFluxes<'_, D> {
 
     /// A volume rounded to the step's power of two, for fluxes that are to be added exactly.
     pub fn round(&self, volume: f64) -> f64 {
-        (volume + self.rounder) - self.rounder
+        self.quanta.round(volume)
     }
 }
