@@ -9,10 +9,11 @@
 //!   truncated volume with respect to `d`;
 //! - a **cell** is a [`Quad`] (nodes counter-clockwise) or a [`Hexahedron`] (nodes in the order of
 //!   `VTK_HEXAHEDRON`) whose faces are ruled surfaces; the nodes may lie anywhere;
-//! - a **swept region** is the cell between a face and the same face displaced.
+//! - a **swept region** is the cell between a face and the same face displaced;
+//! - a **region** is a polygon or polyhedron with plane faces that planes cut pieces off.
 //!
 //! Read in this order: [`half_space`], [`cell`], [`quad`], [`hexahedron`], [`ruled_face`], [`hyperbola`],
-//! [`second_moments`], [`parallelepiped`], [`plane_constant`], [`section`], [`defects`], [`tolerance`]; and, for comparison
+//! [`second_moments`], [`parallelepiped`], [`plane_constant`], [`section`], [`defects`], [`tolerance`]; [`clip`] for regions; and, for comparison
 //! with the exact truncation, [`method`], [`kothe`], [`submesh`]. What is private is told in `frame` (the cell's own affine
 //! frame), `compensated` (its digits on rotated slivers), `affine`, `face_part`, `moment` and `centroid`.
 //!
@@ -38,6 +39,7 @@
 mod affine;
 pub mod cell;
 mod centroid;
+pub mod clip;
 mod compensated;
 pub mod defects;
 mod face_part;
