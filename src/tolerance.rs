@@ -12,6 +12,60 @@ pub const FRACTION_ROUNDING: f64 = 1e-14;
 /// A gradient below this, relative to the largest fraction of the stencil, is rounding: no normal.
 pub const GRADIENT_FLAT: f64 = 16.0 * f64::EPSILON;
 
+/// Share of its trace that is added to the diagonal of a matrix before it is inverted: far below what decides, and enough to
+/// keep a direction of which nothing is known at zero.
+pub const NORMAL_EQUATIONS: f64 = 1e-14;
+
+/// The promised fall of a misfit, relative to the misfit, below which a descent has arrived: what is left moves the plane by far
+/// less than the misfit says that it is wrong.
+pub const DESCENT_GAIN: f64 = 1e-3;
+
+/// A promised fall of a misfit (of fractions, squared) below this is rounding: where a plane fits, the descent goes on to here,
+/// which keeps it to 1e-12 of a cell.
+pub const MISFIT_ROUNDING: f64 = 1e-26;
+
+/// Points after which a descent stops. From a gradient's normal it takes about four; twenty are enough from any start.
+pub const DESCENT_POINTS: usize = 20;
+
+/// The damping, relative to the trace of the curvature, that the first step gets that does not descend.
+pub const DESCENT_DAMPING: f64 = 1e-2;
+
+/// The largest turn of one step, as the tangent of its angle: linear models say nothing about larger ones.
+pub const DESCENT_TURN: f64 = 0.5;
+
+/// The least curvature of a misfit, in squared fractions per squared turn, for which it determines the normal: below, rounding
+/// turns it by more than 1e-10.
+pub const PLANE_DETERMINED: f64 = 1e-12;
+
+/// A mean square misfit of the fractions of a patch above which other starts are tried. A circle with a radius of three
+/// cells stays below; corners, films and two interfaces are above.
+pub const MISFIT_POOR: f64 = 2.5e-3;
+
+/// Starts whose directions have a cosine above this lead to the same minimum.
+pub const STARTS_APART: f64 = 0.99;
+
+/// The turn over which derivatives of a centroid are differences: the rounding of a centroid over it is as large as its square.
+pub const CENTROID_TURN: f64 = 1e-6;
+
+/// The least cosine between the normals of neighbours that belong to the same piece of interface: 60 degrees. Around a corner of 90
+/// degrees normals of different sides are apart by more, along a circle with a radius of two cells by less.
+pub const CONNECTED_NORMALS: f64 = 0.5;
+
+/// The largest height of a neighbour's middle over the plane of a cell, relative to its distance along the plane, if both belong to the
+/// same piece of interface. The other side of a film lies higher.
+pub const CONNECTED_SLOPE: f64 = 1.0;
+
+/// Rounds after which the planes of neighbours are taken as they are. Errors are squared in each, so that a common plane is found in
+/// four or five; along a curve two bring all that there is to gain.
+pub const RELAXED_ROUNDS: usize = 8;
+
+/// The square of the last turn of a plane and its neighbours, relative to the mean square of the heights of their middles over it, below
+/// which it stays: further rounds would change less than a tenth of what remains.
+pub const RELAXED_GAIN: f64 = 1e-2;
+
+/// The square of a turn that counts as none.
+pub const TURN_ROUNDING: f64 = 1e-24;
+
 /// A swept region whose own volume differs from the flux volume by more than this factor does not resemble the face's motion (its
 /// velocity changes sign): the face is then moved as a whole.
 pub const SWEPT_VOLUME_RATIO: f64 = 2.0;

@@ -18,7 +18,8 @@ use super::band::{Across, Band};
 use super::ledger::{LargestCorrection, Ledger, MaterialLedger};
 use super::motion::{Motion, Outward};
 use super::transport::StepError;
-use crate::interface::{self, Counts, Placed, Reconstruction, is_mixed};
+use crate::interface::{self, Placed, Reconstruction, is_mixed};
+use crate::normal::Material;
 use crate::parallel;
 use crate::tolerance::{FRACTION_ROUNDING, OUTFLOW_EXCESS};
 
@@ -35,7 +36,6 @@ struct Member<const D: usize> {
 /// What a cell did when it gave volume away in a sweep.
 #[derive(Clone, Debug, Default)]
 struct Giving {
-    counts: Counts,
     crossed: usize,
     cut: usize,
     error: Option<StepError>,
@@ -59,6 +59,8 @@ pub(super) struct Sweeps<const D: usize> {
     members: Vec<Member<D>>,
     /// The change of the tracked volume since the start of the step.
     volume_change: Vec<f64>,
+    /// The planes of the sweep, by material, where one is needed.
+    planes: Vec<Option<Placed<D>>>,
     givings: Vec<Giving>,
     /// What was given away in the sweep, by face and material.
     given: Vec<f64>,
@@ -71,6 +73,7 @@ impl<const D: usize> Default for Sweeps<D> {
         Self {
             members: Vec::new(),
             volume_change: Vec::new(),
+            planes: Vec::new(),
             givings: Vec::new(),
             given: Vec::new(),
             contents: Vec::new(),
@@ -94,6 +97,7 @@ impl<C: Cell<D>, const D: usize> Sweep<'_, C, D> {
         member: &Member<D>,
         volume_change: f64,
         fractions: &[Vec<f64>],
+        planes: &[Option<Placed<D>>],
         giving: &mut Giving,
         given: &mut [f64],
     ) -> Result<(), StepError> {
@@ -110,20 +114,14 @@ impl<C: Cell<D>, const D: usize> Sweep<'_, C, D> {
             return Err(StepError::Overdrawn { cell: offset.to_vec(), volume: tracked, outflow });
         }
         giving.crossed = outward.iter().filter(|&&flux| flux > 0.0).count();
-        let mut cell = None;
+        let cell = planes.iter().any(Option::is_some).then(|| motion.mesh.local_cell(index));
         for (material, f) in fractions.iter().enumerate() {
             let fraction = f[index];
-            let mut placed = Placed::NoNormal;
-            if is_mixed(fraction) {
-                let cell = cell.get_or_insert_with(|| motion.mesh.local_cell(index));
-                placed = interface::place(motion.mesh, f, index, cell, self.reconstruction)?;
-                giving.counts.count(&placed);
-            }
             for face in motion.faces(self.axis).filter(|&face| outward[face] > 0.0) {
                 let flux = outward[face];
-                given[face * fractions.len() + material] = match (&placed, &cell) {
+                given[face * fractions.len() + material] = match (&planes[material], &cell) {
                     // Only with overdraft there may be nothing left to give from.
-                    (Placed::Plane { half_space, .. }, Some(cell)) if tracked > 0.0 => {
+                    (Some(Placed::Plane { half_space, .. }), Some(cell)) if tracked > 0.0 => {
                         giving.cut += 1;
                         let wanted = (flux * (volume / tracked)).min(volume);
                         let region = motion.region(self.axis, cell, offset, face, wanted);
@@ -205,6 +203,32 @@ impl<const D: usize> Sweeps<D> {
         }));
     }
 
+    /// Places the planes that a sweep needs: those of the cells that give, or of all where methods read their neighbours.
+    fn reconstruct<C: Cell<D>>(
+        &mut self,
+        sweep: &Sweep<'_, C, D>,
+        fractions: &[Vec<f64>],
+        ledger: &mut Ledger,
+    ) -> Result<(), StepError> {
+        let method = sweep.reconstruction;
+        let gives = |member: &Member<D>| member.outward[sweep.axis].iter().any(|&flux| flux > 0.0);
+        self.planes.clear();
+        self.planes.resize(self.members.len() * fractions.len(), None);
+        for (material, f) in fractions.iter().enumerate() {
+            let needed = |member: &&Member<D>| {
+                is_mixed(f[member.cell]) && (method.normal.reads_neighbours() || gives(member))
+            };
+            let (slots, cells): (Vec<usize>, Vec<usize>) =
+                self.members.iter().filter(needed).map(|member| (member.slot, member.cell)).unzip();
+            let material_here = Material { mesh: sweep.motion.mesh, fractions: f, centroids: None };
+            for (slot, placed) in slots.into_iter().zip(interface::planes(material_here, &cells, method)?) {
+                ledger.counts.count(&placed);
+                self.planes[slot * fractions.len() + material] = Some(placed);
+            }
+        }
+        Ok(())
+    }
+
     /// Puts the fractions back to those at the start of the step.
     pub(super) fn restore(&self, fractions: &mut [Vec<f64>]) {
         for (member, contents) in self.members.iter().zip(self.contents.chunks(fractions.len())) {
@@ -221,17 +245,19 @@ impl<const D: usize> Sweeps<D> {
         fractions: &mut [Vec<f64>],
         ledger: &mut Ledger,
     ) -> Result<(), StepError> {
-        let Self { members, volume_change, givings, given, contents } = self;
+        self.reconstruct(sweep, fractions, ledger)?;
+        let Self { members, volume_change, planes, givings, given, contents } = self;
         parallel::for_each_with_chunk(givings, given, |slot, giving, given| {
             *giving = Giving::default();
             given.fill(0.0);
-            giving.error = sweep.give(&members[slot], volume_change[slot], fractions, giving, given).err();
+            let planes = &planes[slot * fractions.len()..][..fractions.len()];
+            giving.error =
+                sweep.give(&members[slot], volume_change[slot], fractions, planes, giving, given).err();
         });
         for giving in givings {
             if let Some(error) = giving.error.take() {
                 return Err(error);
             }
-            ledger.counts.add(&giving.counts);
             ledger.faces_crossed += giving.crossed;
             ledger.faces_cut += giving.cut;
         }

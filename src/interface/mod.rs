@@ -4,7 +4,7 @@ use vofkit_geometry::{Cell, HalfSpace, PositionError, PositionMethod};
 
 use crate::facet::Facet;
 use crate::mesh::{Grid, Mesh};
-use crate::normal::{NormalMethod, Stencil};
+use crate::normal::{Direction, Found, Material, NoNormal, NormalMethod};
 use crate::parallel;
 
 /// How the interface is reconstructed.
@@ -23,13 +23,17 @@ pub enum Placed<const D: usize> {
     Plane {
         /// The material's half-space.
         half_space: HalfSpace<D>,
+        /// Whether the patch of cells around determines it: see [`Direction::determined`].
+        determined: bool,
+        /// Plane constants found on the way to the normal.
+        trials: usize,
         /// Evaluations of the truncated volume for the plane constant.
         evaluations: usize,
         /// Whether a closed form gave it.
         closed_form: bool,
     },
-    /// The fractions around the cell give no direction: it is alone, or among equals.
-    NoNormal,
+    /// No plane: the fractions around the cell give no direction.
+    NoNormal(NoNormal),
 }
 
 /// Why there is no reconstruction.
@@ -60,14 +64,24 @@ pub enum ReconstructionError {
 pub struct Counts {
     /// Mixed cells, one for each material in them.
     pub mixed: usize,
-    /// Those for which no normal exists.
-    pub no_normal: usize,
+    /// Those without a normal, by [`NoNormal`]: among equals.
+    pub flat: usize,
+    /// Alone among equals.
+    pub isolated: usize,
+    /// Between neighbours that differ, but pull in no direction.
+    pub balanced: usize,
+    /// Without the centroid that the method needs.
+    pub no_centroid: usize,
+    /// Cells with a plane that the patch around does not determine.
+    pub undetermined: usize,
     /// Plane constants in closed form.
     pub closed_form: usize,
     /// Plane constants by iteration.
     pub iterative: usize,
     /// Evaluations of truncated volumes by the iterations.
     pub evaluations: usize,
+    /// Plane constants found on the way to normals.
+    pub trials: usize,
 }
 
 impl Counts {
@@ -75,22 +89,40 @@ impl Counts {
     pub fn count<const D: usize>(&mut self, placed: &Placed<D>) {
         self.mixed += 1;
         match *placed {
-            Placed::NoNormal => self.no_normal += 1,
-            Placed::Plane { closed_form: true, .. } => self.closed_form += 1,
-            Placed::Plane { evaluations, .. } => {
-                self.iterative += 1;
-                self.evaluations += evaluations;
+            Placed::NoNormal(NoNormal::Flat) => self.flat += 1,
+            Placed::NoNormal(NoNormal::Isolated) => self.isolated += 1,
+            Placed::NoNormal(NoNormal::Balanced) => self.balanced += 1,
+            Placed::NoNormal(NoNormal::NoCentroid) => self.no_centroid += 1,
+            Placed::Plane { determined, trials, evaluations, closed_form, .. } => {
+                self.undetermined += usize::from(!determined);
+                self.trials += trials;
+                if closed_form {
+                    self.closed_form += 1;
+                } else {
+                    self.iterative += 1;
+                    self.evaluations += evaluations;
+                }
             }
         }
+    }
+
+    /// Cells without a normal, whatever the reason.
+    pub fn no_normal(&self) -> usize {
+        self.flat + self.isolated + self.balanced + self.no_centroid
     }
 
     /// Adds other counts.
     pub fn add(&mut self, other: &Self) {
         self.mixed += other.mixed;
-        self.no_normal += other.no_normal;
+        self.flat += other.flat;
+        self.isolated += other.isolated;
+        self.balanced += other.balanced;
+        self.no_centroid += other.no_centroid;
+        self.undetermined += other.undetermined;
         self.closed_form += other.closed_form;
         self.iterative += other.iterative;
         self.evaluations += other.evaluations;
+        self.trials += other.trials;
     }
 }
 
@@ -117,27 +149,53 @@ pub fn check_fractions<const D: usize>(grid: &Grid<D>, fractions: &[f64]) -> Res
     }
 }
 
-/// Places the plane of one mixed cell; `cell` is [`Mesh::local_cell`] of `index`.
+/// Places the planes of one material in the mixed `cells` (indices, ascending), one for each. A method that
+/// [reads its neighbours](NormalMethod::reads_neighbours) finds them among these cells alone, so that all mixed cells around the
+/// wanted ones should be among them; for others any set will do.
 ///
 /// # Errors
 /// A fraction that is not in `[0, 1]`, or no convergence.
-pub fn place<C: Cell<D>, const D: usize>(
-    mesh: &Mesh<C, D>,
-    fractions: &[f64],
+pub fn planes<C: Cell<D>, const D: usize>(
+    material: Material<'_, C, D>,
+    cells: &[usize],
+    method: Reconstruction,
+) -> Result<Vec<Placed<D>>, ReconstructionError> {
+    let placed = if method.normal.reads_neighbours() {
+        let found = method.normal.normals(material, cells, method.position);
+        parallel::map(cells.len(), |i| {
+            place_along(material, cells[i], &material.mesh.local_cell(cells[i]), found[i], method.position)
+        })
+    } else {
+        parallel::map(cells.len(), |i| {
+            let cell = material.mesh.local_cell(cells[i]);
+            let found = method.normal.normal(material, cells[i], &cell, method.position);
+            place_along(material, cells[i], &cell, found, method.position)
+        })
+    };
+    placed.into_iter().collect()
+}
+
+/// The plane of one mixed cell with the normal that was found.
+fn place_along<C: Cell<D>, const D: usize>(
+    material: Material<'_, C, D>,
     index: usize,
     cell: &C,
-    method: Reconstruction,
+    found: Found<D>,
+    position: PositionMethod,
 ) -> Result<Placed<D>, ReconstructionError> {
-    let offset = mesh.grid().offset(index);
-    let stencil = Stencil::new(mesh.grid(), fractions, offset);
-    let Some(normal) = method.normal.normal(mesh, offset, cell, &stencil) else {
-        return Ok(Placed::NoNormal);
+    let Direction { normal, determined, trials } = match found {
+        Ok(direction) => direction,
+        Err(reason) => return Ok(Placed::NoNormal(reason)),
     };
-    let found = cell.plane_constant(&normal, fractions[index], method.position).map_err(|source| {
-        ReconstructionError::Cell { cell: offset.to_vec(), fraction: fractions[index], source }
+    let fraction = material.fractions[index];
+    let found = cell.plane_constant(&normal, fraction, position).map_err(|source| {
+        let cell = material.mesh.grid().offset(index).to_vec();
+        ReconstructionError::Cell { cell, fraction, source }
     })?;
     Ok(Placed::Plane {
         half_space: HalfSpace { normal, constant: found.constant },
+        determined,
+        trials,
         evaluations: found.evaluations,
         closed_form: found.closed_form,
     })
@@ -155,7 +213,7 @@ pub struct Interface<const D: usize> {
 /// Reconstructs the interface of every material (`fractions[material][cell]`) in every mixed cell.
 ///
 /// # Errors
-/// See [`check_fractions`] and [`place`].
+/// See [`check_fractions`] and [`planes`].
 pub fn reconstruct<C: Cell<D>, const D: usize>(
     mesh: &Mesh<C, D>,
     fractions: &[Vec<f64>],
@@ -165,21 +223,13 @@ pub fn reconstruct<C: Cell<D>, const D: usize>(
     for (material, fractions) in fractions.iter().enumerate() {
         check_fractions(mesh.grid(), fractions)?;
         let mixed: Vec<usize> = (0..fractions.len()).filter(|&i| is_mixed(fractions[i])).collect();
-        let placed = parallel::map(mixed.len(), |i| {
-            let index = mixed[i];
-            let cell = mesh.local_cell(index);
-            let placed = place(mesh, fractions, index, &cell, method)?;
-            let facet = match placed {
-                Placed::NoNormal => None,
-                Placed::Plane { half_space, .. } => Some(facet(mesh, index, material, &cell, &half_space)),
-            };
-            Ok((placed, facet))
+        let placed = planes(Material { mesh, fractions, centroids: None }, &mixed, method)?;
+        placed.iter().for_each(|placed| interface.counts.count(placed));
+        let facets = parallel::map(mixed.len(), |i| match &placed[i] {
+            Placed::NoNormal(_) => None,
+            Placed::Plane { half_space, .. } => Some(facet(mesh, mixed[i], material, half_space)),
         });
-        for result in placed {
-            let (placed, facet) = result?;
-            interface.counts.count(&placed);
-            interface.facets.extend(facet);
-        }
+        interface.facets.extend(facets.into_iter().flatten());
     }
     Ok(interface)
 }
@@ -188,7 +238,6 @@ fn facet<C: Cell<D>, const D: usize>(
     mesh: &Mesh<C, D>,
     index: usize,
     material: usize,
-    cell: &C,
     local: &HalfSpace<D>,
 ) -> Facet<D> {
     // Polygons are made in the coordinates of the mesh, so that neighbours agree on the points of a common face.
@@ -198,7 +247,7 @@ fn facet<C: Cell<D>, const D: usize>(
         material,
         normal: half_space.normal,
         plane_constant: half_space.constant,
-        area: cell.truncate(local).section_area,
+        area: mesh.local_cell(index).truncate(local).section_area,
         loops: mesh.cell(index).section(&half_space),
     }
 }

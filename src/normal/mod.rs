@@ -1,10 +1,32 @@
 //! Interface normals from the fractions around a cell: one file per method, an enum at the edge.
+//!
+//! - Gradients: `youngs` (and what a stencil's gradient is in space), `least_squares`, and `slic`, which keeps the largest component;
+//! - heights of columns of cells (`columns`): `myc`, `elvira`;
+//! - planes fitted to the patch of cells around one (`patch`, in the cell's own `frame`): `lvira` and `elvira` by fractions, `swartz` by
+//!   the middles of the neighbours' sections; `mof` fits the cell's own centroid. `descent` is the search for the least misfit.
+//!
+//! A method gives a [`Direction`], or says why there is none: it never invents one.
 
+mod columns;
+mod descent;
+mod elvira;
+mod frame;
+mod least_squares;
+mod lvira;
+mod mof;
+mod myc;
+mod patch;
+mod slic;
+mod stencil;
+mod swartz;
 mod youngs;
 
-use vofkit_geometry::{Cell, Vector};
+use vofkit_geometry::{Cell, PositionMethod, Vector};
 
-use crate::mesh::{Grid, Mesh};
+use crate::mesh::Mesh;
+use crate::parallel;
+
+pub use stencil::Stencil;
 
 /// How the normal of the interface in a mixed cell is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -14,71 +36,129 @@ pub enum NormalMethod {
     Youngs,
     /// The paper's form of Youngs' gradient: the logical axes stand for the Cartesian ones (Eq. 82).
     YoungsLogical,
+    /// The gradient that fits the differences to all neighbours best, near ones counting more.
+    LeastSquares,
+    /// The plane with the least misfit of fractions over the patch (Puckett 1991; Eq. 85).
+    Lvira,
+    /// The best of the planes that differences of column heights give (Pilliod & Puckett 2004).
+    Elvira,
+    /// The plane through the middles of the sections of the neighbours, until it stays (Swartz 1989; Mosso et al. 1996).
+    Swartz,
+    /// Along the logical direction in which the fractions change most (Noh & Woodward 1976).
+    Slic,
+    /// The plane that gives the material's own centroid (Dyadechko & Shashkov 2005).
+    Mof,
+    /// Youngs' normal or that of central column heights, whichever is less aligned with an axis (Aulisa et al. 2007).
+    Myc,
 }
 
-/// The fractions of one material in the 3^D cells around a cell. Beyond a wall or an open end stands the mirror image of the
-/// first layer inside.
+/// One material on a mesh: what the methods read.
 #[derive(Clone, Copy, Debug)]
-pub struct Stencil<const D: usize> {
-    /// By `sum (step_k + 1) 3^k`; the first `3^D` are used.
-    values: [f64; 27],
+pub struct Material<'a, C, const D: usize> {
+    /// The mesh.
+    pub mesh: &'a Mesh<C, D>,
+    /// The material's fraction in each cell, in `[0, 1]`.
+    pub fractions: &'a [f64],
+    /// The centroid of the material in each cell, in the coordinates of the mesh; only [`NormalMethod::Mof`] reads them.
+    pub centroids: Option<&'a [Vector<D>]>,
 }
 
-/// Cells of the stencil.
-const fn stencil_cells(dimension: usize) -> usize {
-    3_usize.pow(dimension as u32)
+/// A normal with what it took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Direction<const D: usize> {
+    /// Unit normal, out of the material.
+    pub normal: Vector<D>,
+    /// Whether the patch determines the plane. If not (it crosses too few cells of it) the normal is the one that the
+    /// method started from.
+    pub determined: bool,
+    /// Plane constants found on the way.
+    pub trials: usize,
 }
 
-impl<const D: usize> Stencil<D> {
-    /// Collects the stencil of the cell at `offset`.
-    pub fn new(grid: &Grid<D>, fractions: &[f64], offset: [usize; D]) -> Self {
-        let cells = grid.cells();
-        let mut values = [0.0; 27];
-        let inner = (0..D).all(|k| offset[k] > 0 && offset[k] + 1 < cells[k]);
-        let slots = &mut values[..stencil_cells(D)];
-        if inner {
-            // Inside, the cells of the stencil lie in rows of three.
-            let lowest = grid.index(offset.map(|at| at - 1));
-            for (row, slots) in slots.chunks_exact_mut(3).enumerate() {
-                let start: usize = (1..D).map(|k| row / 3_usize.pow(k as u32 - 1) % 3 * grid.stride(k)).sum();
-                slots.copy_from_slice(&fractions[lowest + start..lowest + start + 3]);
-            }
-        } else {
-            for (place, slot) in slots.iter_mut().enumerate() {
-                *slot = fractions[grid.index(grid.stepped(offset, step_of::<D>(place)))];
-            }
-        }
-        Self { values }
-    }
+/// Why a mixed cell has no normal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum NoNormal {
+    /// All fractions around are the same, the cell's own too.
+    Flat,
+    /// All fractions around are the same, the cell's own is not.
+    Isolated,
+    /// The fractions around differ, but pull in no direction: as at a film between two pure neighbours.
+    Balanced,
+    /// The method needs the material's centroid, and none is given.
+    NoCentroid,
+}
 
-    /// The values with the step that leads to each of them.
-    pub fn iter(&self) -> impl Iterator<Item = ([isize; D], f64)> + '_ {
-        self.values[..stencil_cells(D)].iter().enumerate().map(|(place, &f)| (step_of::<D>(place), f))
-    }
+/// What a method found for one mixed cell.
+pub type Found<const D: usize> = Result<Direction<D>, NoNormal>;
 
-    /// The largest value.
-    pub fn largest(&self) -> f64 {
-        self.values[..stencil_cells(D)].iter().fold(0.0, |a, &b| a.max(b))
+/// One mixed cell with what is around it.
+struct Around<'a, C, const D: usize> {
+    material: Material<'a, C, D>,
+    index: usize,
+    offset: [usize; D],
+    /// [`Mesh::local_cell`].
+    cell: &'a C,
+    stencil: Stencil<D>,
+}
+
+impl<C, const D: usize> Around<'_, C, D> {
+    fn fraction(&self) -> f64 {
+        self.material.fractions[self.index]
     }
 }
 
-fn step_of<const D: usize>(place: usize) -> [isize; D] {
-    std::array::from_fn(|k| (place / 3_usize.pow(k as u32) % 3) as isize - 1)
+impl<const D: usize> Direction<D> {
+    /// A normal that took no plane constants.
+    fn direct(normal: Vector<D>) -> Self {
+        Self { normal, determined: true, trials: 0 }
+    }
 }
 
 impl NormalMethod {
-    /// The unit normal in the cell at `offset`, out of the material; none where the fractions around it do not give one.
-    /// `cell` is [`Mesh::local_cell`].
+    /// Whether the method reads the planes of neighbouring cells, so that all of them have to be found at once.
+    pub fn reads_neighbours(self) -> bool {
+        self == Self::Swartz
+    }
+
+    /// The normals in the mixed `cells` (indices, ascending). A method that [reads its
+    /// neighbours](NormalMethod::reads_neighbours) finds them among these cells alone.
+    pub fn normals<C: Cell<D>, const D: usize>(
+        self,
+        material: Material<'_, C, D>,
+        cells: &[usize],
+        position: PositionMethod,
+    ) -> Vec<Found<D>> {
+        if self == Self::Swartz {
+            return swartz::relaxed(material, cells, position);
+        }
+        parallel::map(cells.len(), |i| {
+            let cell = material.mesh.local_cell(cells[i]);
+            self.normal(material, cells[i], &cell, position)
+        })
+    }
+
+    /// The normal in the mixed cell with this index, for methods that read no neighbours' planes; others give the one that they
+    /// start from. `cell` is [`Mesh::local_cell`].
     pub fn normal<C: Cell<D>, const D: usize>(
         self,
-        mesh: &Mesh<C, D>,
-        offset: [usize; D],
+        material: Material<'_, C, D>,
+        index: usize,
         cell: &C,
-        stencil: &Stencil<D>,
-    ) -> Option<Vector<D>> {
+        position: PositionMethod,
+    ) -> Found<D> {
+        let grid = material.mesh.grid();
+        let offset = grid.offset(index);
+        let stencil = Stencil::new(grid, material.fractions, offset);
+        let around = Around { material, index, offset, cell, stencil };
         match self {
-            Self::Youngs => youngs::physical(mesh, offset, cell, stencil),
-            Self::YoungsLogical => youngs::logical(cell, stencil),
+            Self::Youngs | Self::Swartz => youngs::physical(&around),
+            Self::YoungsLogical => youngs::logical(&around),
+            Self::LeastSquares => least_squares::normal(&around),
+            Self::Lvira => lvira::normal(&around, position),
+            Self::Elvira => elvira::normal(&around, position),
+            Self::Slic => slic::normal(&around),
+            Self::Mof => mof::normal(&around, position),
+            Self::Myc => myc::normal(&around),
         }
     }
 }

@@ -6,7 +6,8 @@
 
 use vofkit_geometry::{Cell, Vector};
 
-use super::{Stencil, stencil_cells};
+use super::stencil::{Stencil, stencil_cells};
+use super::{Around, Direction, Found, NoNormal};
 use crate::mesh::Mesh;
 use crate::tolerance::GRADIENT_FLAT;
 
@@ -33,35 +34,45 @@ fn logical_gradient<const D: usize>(stencil: &Stencil<D>) -> Vector<D> {
     Vector::from_fn(|axis, _| slopes[axis][0] * scale)
 }
 
-/// The unit normal against a gradient, if that is more than rounding.
-fn against<const D: usize>(gradient: Vector<D>) -> Option<Vector<D>> {
-    let size = gradient.norm();
-    (size > 0.0 && size.is_finite()).then(|| gradient / -size)
+/// The gradient in cells, along the logical axes; why there is none where it is no more than rounding.
+pub(super) fn slopes<const D: usize>(stencil: &Stencil<D>) -> Result<Vector<D>, NoNormal> {
+    let gradient = logical_gradient(stencil);
+    if gradient.amax() <= GRADIENT_FLAT * stencil.largest() {
+        return Err(stencil.why_flat());
+    }
+    Ok(gradient)
 }
 
-fn is_flat<const D: usize>(gradient: &Vector<D>, stencil: &Stencil<D>) -> bool {
-    gradient.amax() <= GRADIENT_FLAT * stencil.largest()
+/// The unit normal against a gradient.
+pub(super) fn against<const D: usize>(gradient: Vector<D>) -> Found<D> {
+    let size = gradient.norm();
+    if size > 0.0 && size.is_finite() {
+        Ok(Direction::direct(gradient / -size))
+    } else {
+        Err(NoNormal::Balanced)
+    }
 }
 
 /// The physical gradient `J^-T df/dxi`. The differences that make up `df/dxi` lie a cell apart, so `J` is made of the same
 /// differences of the cells' middles: with the cell's own Jacobian a distorted mesh would turn the normal.
-pub(super) fn physical<C: Cell<D>, const D: usize>(
-    mesh: &Mesh<C, D>,
-    offset: [usize; D],
-    cell: &C,
-    stencil: &Stencil<D>,
-) -> Option<Vector<D>> {
-    let gradient = logical_gradient(stencil);
-    if is_flat(&gradient, stencil) {
-        return None;
-    }
+pub(super) fn in_space<C: Cell<D>, const D: usize>(
+    around: &Around<'_, C, D>,
+    gradient: &Vector<D>,
+) -> Vector<D> {
+    let mesh = around.material.mesh;
     if mesh.is_undistorted() {
-        return against(cell.physical_gradient(&gradient));
+        return around.cell.physical_gradient(gradient);
     }
-    let columns = stencil_jacobian(mesh, offset);
+    let columns = stencil_jacobian(mesh, around.offset);
     // The parallelepiped with these edges has this Jacobian.
     let patch = C::from_corners(|corner| (0..D).map(|axis| columns[axis] * corner[axis] as f64).sum());
-    against(patch.physical_gradient(&gradient))
+    patch.physical_gradient(gradient)
+}
+
+/// Youngs' normal in space.
+pub(super) fn physical<C: Cell<D>, const D: usize>(around: &Around<'_, C, D>) -> Found<D> {
+    let gradient = slopes(&around.stencil)?;
+    against(in_space(around, &gradient))
 }
 
 /// The derivatives of position along the logical axes, by the differences of [`logical_gradient`] between the middles of
@@ -99,10 +110,7 @@ fn extended_node<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, at: [isize; D]) 
 }
 
 /// The components `(df/dxi_k) / h_k` with the cell's mean edge lengths `h_k`, taken as Cartesian ones (Eq. 82).
-pub(super) fn logical<C: Cell<D>, const D: usize>(cell: &C, stencil: &Stencil<D>) -> Option<Vector<D>> {
-    let gradient = logical_gradient(stencil);
-    if is_flat(&gradient, stencil) {
-        return None;
-    }
-    against(Vector::from_fn(|k, _| gradient[k] / cell.mean_edge(k).norm()))
+pub(super) fn logical<C: Cell<D>, const D: usize>(around: &Around<'_, C, D>) -> Found<D> {
+    let gradient = slopes(&around.stencil)?;
+    against(Vector::from_fn(|k, _| gradient[k] / around.cell.mean_edge(k).norm()))
 }

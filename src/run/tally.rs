@@ -113,7 +113,7 @@ impl Tally {
         exact: Option<&[Vec<f64>]>,
     ) -> Summary {
         let (counts, plan) = (&self.ledger.counts, &setup.plan);
-        let planes = counts.mixed - counts.no_normal;
+        let planes = counts.mixed - counts.no_normal();
         let cartesian = scene.advection.sweep_axes == SweepAxes::Cartesian && !mesh.is_undistorted();
         let rounds = self.ledger.sweeps * fractions.len();
         // Along mesh lines a sweep deals with the faces of one direction.
@@ -143,7 +143,7 @@ impl Tally {
                 } else {
                     Vec::new()
                 },
-                no_normal: counts.no_normal,
+                no_normal: counts.no_normal(),
             },
             skipped: Skipped {
                 reconstructions: Share::without(planes, mesh.grid().len() * rounds),

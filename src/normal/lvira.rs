@@ -1,0 +1,120 @@
+//! LVIRA (Puckett 1991; Eq. 85): of all planes that leave the cell its own volume, the one whose truncated volumes match the
+//! fractions of the patch best,
+//!
+//! ```text
+//! sum over neighbours of (V_tr / V - f)^2 -> min.
+//! ```
+//!
+//! Volumes are exact on ruled cells, so planes are reproduced to rounding. Turning the normal by `dm` with the volume of the cell kept
+//! moves the plane by `dm.(c_0 - y)` at its point `y`, with the middle `c_0` of the cell's own section; so a neighbour with
+//! section area `A` and section middle `c` has `d(V_tr / V)/dm = -(A / V) (c - c_0)`.
+//!
+//! The misfit has several minima where the patch holds a corner or two interfaces (Sect. 5.1 of the paper): where the one that
+//! Youngs' normal leads to is poor, the descent starts again from other guesses, and the least of the minima is taken.
+
+use vofkit_geometry::{Cell, HalfSpace, PositionMethod, Vector};
+
+use super::descent::{Descent, Sample, descend};
+use super::patch::{Met, Patch};
+use super::{Around, Direction, Found};
+use super::{elvira, least_squares, youngs};
+use crate::tolerance::{MISFIT_POOR, STARTS_APART};
+
+pub(super) fn normal<C: Cell<D>, const D: usize>(
+    around: &Around<'_, C, D>,
+    position: PositionMethod,
+) -> Found<D> {
+    let start = youngs::physical(around)?;
+    let mut fit = Fit::new(around, position);
+    let Some(mut best) = fit.descend(&start.normal) else {
+        return Ok(Direction { determined: false, trials: fit.trials, ..start });
+    };
+    if best.misfit > MISFIT_POOR * fit.patch.neighbours().count() as f64 {
+        // In 3D there are 27 candidates of ELVIRA, and none of them is better than a gradient.
+        let elvira = if D == 2 { elvira::best(around, &mut fit).ok() } else { None };
+        for other in elvira.into_iter().chain(least_squares::fitted(&fit.patch)) {
+            if fit.patch.frame.normal(&other.normal).dot(&best.normal) > STARTS_APART {
+                continue;
+            }
+            match fit.descend(&other.normal) {
+                Some(descent) if descent.misfit < best.misfit => best = descent,
+                _ => {}
+            }
+        }
+    }
+    let normal = if best.determined { fit.patch.frame.in_space(&best.normal) } else { start.normal };
+    Ok(Direction { normal, determined: best.determined, trials: fit.trials })
+}
+
+/// The misfit of planes over one patch.
+pub(super) struct Fit<C, const D: usize> {
+    pub(super) patch: Patch<C, D>,
+    position: PositionMethod,
+    /// Derivatives by place, as far as they were computed.
+    slopes: [Vector<D>; 27],
+    /// Plane constants found.
+    pub(super) trials: usize,
+}
+
+impl<C: Cell<D>, const D: usize> Fit<C, D> {
+    pub(super) fn new(around: &Around<'_, C, D>, position: PositionMethod) -> Self {
+        Self { patch: Patch::new(around), position, slopes: [Vector::zeros(); 27], trials: 0 }
+    }
+
+    /// Descends from a normal in space.
+    fn descend(&mut self, start: &Vector<D>) -> Option<Descent<D>> {
+        let start = self.patch.frame.normal(start);
+        descend(start, |normal, fresh| self.sample(normal, fresh))
+    }
+
+    /// The plane with a normal of the frame that leaves the cell its volume.
+    fn place(&mut self, normal: &Vector<D>) -> Option<HalfSpace<D>> {
+        self.trials += 1;
+        let fraction = self.patch.fraction(Patch::<C, D>::MIDDLE);
+        let cell = self.patch.cell(Patch::<C, D>::MIDDLE);
+        let constant = cell.plane_constant(normal, fraction, self.position).ok()?.constant;
+        Some(HalfSpace { normal: *normal, constant })
+    }
+
+    /// The misfit alone, for a normal of the frame.
+    pub(super) fn misfit(&mut self, normal: &Vector<D>) -> Option<f64> {
+        let plane = self.place(normal)?;
+        let heights = self.patch.heights(&plane);
+        let mut misfit = 0.0;
+        for place in self.patch.neighbours() {
+            let truncated = match self.patch.meet(place, &heights) {
+                Met::Not(fraction) => fraction,
+                Met::Crossed => {
+                    let cell = self.patch.cell(place);
+                    cell.truncate(&plane).volume / cell.volume()
+                }
+            };
+            misfit += (truncated - self.patch.fraction(place)).powi(2);
+        }
+        Some(misfit)
+    }
+
+    fn sample(&mut self, normal: &Vector<D>, fresh: bool) -> Option<Sample<D>> {
+        let plane = self.place(normal)?;
+        let heights = self.patch.heights(&plane);
+        let middle =
+            if fresh { Some(self.patch.cell(Patch::<C, D>::MIDDLE).section_centroid(&plane)?) } else { None };
+        let mut sample = Sample::default();
+        for place in self.patch.neighbours() {
+            let (truncated, slope) = match self.patch.meet(place, &heights) {
+                Met::Not(fraction) => (fraction, Vector::zeros()),
+                Met::Crossed => {
+                    let cell = self.patch.cell(place);
+                    let (part, volume) = (cell.truncate(&plane), cell.volume());
+                    if let Some(middle) = middle {
+                        let arm = cell.section_centroid(&plane).map_or_else(Vector::zeros, |c| middle - c);
+                        self.slopes[place] = arm * (part.section_area / volume);
+                    }
+                    (part.volume / volume, self.slopes[place])
+                }
+            };
+            sample.add(truncated - self.patch.fraction(place), &slope);
+        }
+        Some(sample)
+    }
+}

@@ -1,0 +1,168 @@
+//! Swartz' normals (Swartz 1989; in 3D Mosso, Swartz, Kothe & Clancy 1996): every plane is turned until it goes through the
+//! middles of the sections of its neighbours.
+//!
+//! In every round each cell fits a plane through its own section's middle `c_0` to those of its neighbours,
+//!
+//! ```text
+//! sum of w (h - s.t)^2 -> min,   w = 1 / |c - c_0|^2,   m <- m - s
+//! ```
+//!
+//! with the heights `h` over the present plane and the places `t` in it, in the cell's own frame; then all planes are placed anew. A
+//! plane that turns with its volume kept turns about the middle of its section to first order. So these middles leave a common plane
+//! only by the square of the planes' errors, and a common plane is found in about four rounds, on any mesh.
+//!
+//! **Neighbours** are the cells of the patch whose section belongs to the same piece of interface: their normals lie within 60
+//! degrees, and the line between the middles within 45 degrees of the present plane. So the other side of a film or of a narrow
+//! gap counts for nothing.
+
+use nalgebra::SMatrix;
+use vofkit_geometry::{Cell, HalfSpace, PositionMethod, Vector};
+
+use super::descent::{least_curvature, solve_across};
+use super::frame::Frame;
+use super::patch::shift_beyond_ends;
+use super::stencil::{stencil_cells, step_of};
+use super::{Direction, Found, Material, NormalMethod};
+use crate::parallel;
+use crate::tolerance::{
+    CONNECTED_NORMALS, CONNECTED_SLOPE, PLANE_DETERMINED, RELAXED_GAIN, RELAXED_ROUNDS, TURN_ROUNDING,
+};
+
+/// A plane on the way.
+#[derive(Clone, Copy, Debug)]
+struct Plane<const D: usize> {
+    direction: Direction<D>,
+    /// The cell's first node.
+    anchor: Vector<D>,
+    /// The middle of the section, relative to it.
+    middle: Vector<D>,
+    /// The square of the last turn.
+    turn: f64,
+}
+
+/// The mixed cells around one, by place among all.
+#[derive(Clone, Copy, Debug)]
+struct Links {
+    places: [u32; 26],
+    /// The steps that lead there, as places of a stencil.
+    steps: [u8; 26],
+    count: usize,
+}
+
+/// The normals in the mixed `cells` (ascending).
+pub(super) fn relaxed<C: Cell<D>, const D: usize>(
+    material: Material<'_, C, D>,
+    cells: &[usize],
+    position: PositionMethod,
+) -> Vec<Found<D>> {
+    let problem = Problem { material, cells, position };
+    let starts: Vec<(Found<D>, Option<Plane<D>>)> = parallel::map(cells.len(), |i| problem.start(i));
+    let (mut found, mut planes): (Vec<_>, Vec<_>) = starts.into_iter().unzip();
+    let links = parallel::map(cells.len(), |i| problem.links(i));
+    for _ in 0..RELAXED_ROUNDS {
+        let next = parallel::map(cells.len(), |i| problem.turned(i, &links[i], &planes));
+        if next.iter().all(Option::is_none) {
+            break;
+        }
+        for (plane, next) in planes.iter_mut().zip(next) {
+            *plane = next.or(*plane);
+        }
+    }
+    for (found, plane) in found.iter_mut().zip(&planes) {
+        if let Some(plane) = plane {
+            *found = Ok(plane.direction);
+        }
+    }
+    found
+}
+
+struct Problem<'a, C, const D: usize> {
+    material: Material<'a, C, D>,
+    cells: &'a [usize],
+    position: PositionMethod,
+}
+
+impl<C: Cell<D>, const D: usize> Problem<'_, C, D> {
+    /// Youngs' normal, and its plane.
+    fn start(&self, i: usize) -> (Found<D>, Option<Plane<D>>) {
+        let index = self.cells[i];
+        let cell = self.material.mesh.local_cell(index);
+        let found = NormalMethod::Youngs.normal(self.material, index, &cell, self.position);
+        let plane = found.ok().and_then(|direction| {
+            let middle = self.middle(i, &cell, &direction.normal)?;
+            let anchor = self.material.mesh.anchor(index);
+            let direction = Direction { trials: 1, ..direction };
+            Some(Plane { direction, anchor, middle, turn: f64::INFINITY })
+        });
+        (found, plane)
+    }
+
+    /// The middle of the section with this normal that leaves the cell its volume.
+    fn middle(&self, i: usize, cell: &C, normal: &Vector<D>) -> Option<Vector<D>> {
+        let fraction = self.material.fractions[self.cells[i]];
+        let constant = cell.plane_constant(normal, fraction, self.position).ok()?.constant;
+        cell.section_centroid(&HalfSpace { normal: *normal, constant })
+    }
+
+    fn links(&self, i: usize) -> Links {
+        let grid = self.material.mesh.grid();
+        let offset = grid.offset(self.cells[i]);
+        let mut links = Links { places: [0; 26], steps: [0; 26], count: 0 };
+        for place in (0..stencil_cells(D)).filter(|&place| place != stencil_cells(D) / 2) {
+            let step = step_of::<D>(place);
+            let beyond = |k: usize| !(0..grid.cells()[k] as isize).contains(&(offset[k] as isize + step[k]));
+            if (0..D).any(|k| beyond(k) && !grid.periodic()[k]) {
+                continue;
+            }
+            if let Ok(other) = self.cells.binary_search(&grid.index(grid.stepped(offset, step))) {
+                links.places[links.count] = other as u32;
+                links.steps[links.count] = place as u8;
+                links.count += 1;
+            }
+        }
+        links
+    }
+
+    /// The plane of one cell after another round; none if it stays.
+    fn turned(&self, i: usize, links: &Links, planes: &[Option<Plane<D>>]) -> Option<Plane<D>> {
+        let own = planes[i]?;
+        let (mesh, index) = (self.material.mesh, self.cells[i]);
+        let cell = mesh.local_cell(index);
+        let frame = Frame::new(&cell);
+        let normal = frame.normal(&own.direction.normal);
+        let (mut matrix, mut right) = (SMatrix::<f64, D, D>::zeros(), Vector::<D>::zeros());
+        let (mut turn, mut height, mut weights) = (own.turn, 0.0, 0.0);
+        for (&place, &step) in links.places[..links.count].iter().zip(&links.steps) {
+            let Some(other) = planes[place as usize] else { continue };
+            if own.direction.normal.dot(&other.direction.normal) < CONNECTED_NORMALS {
+                continue;
+            }
+            let beyond = shift_beyond_ends(mesh, index, &step_of::<D>(step.into()));
+            let arm = frame.point(&((other.middle - own.middle) + (other.anchor - own.anchor) + beyond));
+            let h = normal.dot(&arm);
+            let t = arm - normal * h;
+            if h.abs() > CONNECTED_SLOPE * t.norm() {
+                continue;
+            }
+            let weight = arm.norm_squared().recip();
+            matrix += t * t.transpose() * weight;
+            right += t * (weight * h);
+            height += weight * h * h;
+            weights += weight;
+            turn = turn.max(other.turn);
+        }
+        // Nothing has moved by more than a small part of what the planes miss each other by.
+        if turn <= (RELAXED_GAIN * (height / weights)).max(TURN_ROUNDING) {
+            return None;
+        }
+        if !(least_curvature(&matrix) > PLANE_DETERMINED) {
+            let direction = Direction { determined: false, ..own.direction };
+            return own.direction.determined.then_some(Plane { direction, turn: 0.0, ..own });
+        }
+        let step = solve_across(&matrix, &right, &normal, 0.0);
+        let turned = frame.in_space(&(normal - step));
+        let middle = self.middle(i, &cell, &turned)?;
+        let direction = Direction { normal: turned, determined: true, trials: own.direction.trials + 1 };
+        Some(Plane { direction, middle, turn: step.norm_squared(), ..own })
+    }
+}
