@@ -54,7 +54,7 @@ pub mod velocity;
 
 /// What most programs use.
 pub mod prelude {
-    pub use crate::advection::{Ledger, Settings, StepError, SweepAxes, Transport};
+    pub use crate::advection::{Ledger, Scheme, Settings, StepError, SweepAxes, Transport};
     pub use crate::facet::Facet;
     pub use crate::fractions::volume_fractions;
     pub use crate::geometry::{Cell, HalfSpace, Hexahedron, PositionMethod, Quad, Vector};

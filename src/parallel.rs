@@ -34,6 +34,16 @@ pub fn for_each_with_chunk<T: Send, U: Send>(
     flat: &mut [U],
     work: impl Fn(usize, &mut T, &mut [U]) + Sync + Send,
 ) {
+    for_each_with_scratch(items, flat, || (), |(), i, item, part| work(i, item, part));
+}
+
+/// The same with something of its own for every thread, to work in; results must not depend on what is in it.
+pub fn for_each_with_scratch<T: Send, U: Send, S>(
+    items: &mut [T],
+    flat: &mut [U],
+    scratch: impl Fn() -> S + Sync + Send,
+    work: impl Fn(&mut S, usize, &mut T, &mut [U]) + Sync + Send,
+) {
     if items.is_empty() {
         return;
     }
@@ -44,11 +54,12 @@ pub fn for_each_with_chunk<T: Send, U: Send>(
         .zip(flat.par_chunks_mut(chunk))
         .with_min_len(16)
         .enumerate()
-        .for_each(|(i, (item, part))| work(i, item, part));
+        .for_each_init(scratch, |scratch, (i, (item, part))| work(scratch, i, item, part));
     #[cfg(not(feature = "parallel"))]
-    items
-        .iter_mut()
-        .zip(flat.chunks_mut(chunk))
-        .enumerate()
-        .for_each(|(i, (item, part))| work(i, item, part));
+    {
+        let mut scratch = scratch();
+        for (i, (item, part)) in items.iter_mut().zip(flat.chunks_mut(chunk)).enumerate() {
+            work(&mut scratch, i, item, part);
+        }
+    }
 }

@@ -90,3 +90,14 @@ pub const FRAGMENT_VOLUME: f64 = 1e-4;
 /// Cell volumes and edge integrals of potentials outside this range are refused: their products, quotients and roundings would
 /// over- or underflow.
 pub const RANGE: std::ops::RangeInclusive<f64> = 1e-250..=1e250;
+
+/// A face whose area, relative to its extent to the power of the dimension less one, is below this has collapsed: fluxes through it
+/// are rounding, and no point of it could be moved to account for them.
+pub const FACE_COLLAPSED: f64 = 1e-10;
+
+/// Unsplit contents may be out of bounds by this much, relative to the cell: rounding. More means that a pre-image folds over.
+pub const FRACTION_EXCESS: f64 = 1e-12;
+
+/// Cells around one that is not settled, at most, that a step looks at. Nodes that come from further away have left every
+/// Courant number behind; on a mesh with collapsed cells the bound for how far they come would be infinite.
+pub const LARGEST_RADIUS: f64 = 64.0;

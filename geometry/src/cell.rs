@@ -1,5 +1,6 @@
 //! What the toolkit asks of a cell, in two and in three dimensions.
 
+use crate::clip::Tile;
 use crate::{Defect, HalfSpace, PlaneConstant, PositionError, PositionMethod, Vector};
 
 /// What a plane leaves of a cell.
@@ -19,6 +20,9 @@ pub struct Truncation {
 /// *offset* `[i, j(, k)]`, each 0 or 1, to the node of that corner. Face `2 a + b` is the one where the
 /// coordinate along the logical axis `a` equals `b`.
 pub trait Cell<const D: usize>: Copy + Send + Sync + std::fmt::Debug + 'static {
+    /// How regions are cut by it.
+    type Tile: Tile<D, Cell = Self>;
+
     /// Number of faces, `2 D`.
     const FACES: usize;
 
@@ -31,6 +35,9 @@ pub trait Cell<const D: usize>: Copy + Send + Sync + std::fmt::Debug + 'static {
     /// The nodes of each face, in outward order: counter-clockwise seen from outside; in 2D in the direction
     /// in which the boundary runs counter-clockwise.
     const FACE_NODES: &'static [&'static [usize]];
+
+    /// The face of [`Cell::swept`] that is the displaced one.
+    const SWEPT_BACK: usize;
 
     /// The cell whose nodes are given by the offsets of their corners.
     fn from_corners(node: impl Fn([usize; D]) -> Vector<D>) -> Self;

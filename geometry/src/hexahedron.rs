@@ -22,6 +22,7 @@ use std::ops::{Add, Mul, Sub};
 
 use crate::affine::Affine;
 use crate::cell::{Cell, Truncation};
+use crate::clip::HexahedronTile;
 use crate::compensated::Pair;
 use crate::frame::{Direction, Frame, is_ill_conditioned};
 use crate::plane_constant::{self, Monotone, PlaneConstant, PositionError, PositionMethod};
@@ -214,10 +215,13 @@ fn volume([j1, j2, j3]: &[Vector3; 3], [b12, b13, b23, _]: &[Vector3; 4]) -> f64
 }
 
 impl Cell<3> for Hexahedron {
+    type Tile = HexahedronTile;
+
     const FACES: usize = 6;
     const VTK_CELL_TYPE: u8 = 12;
     const OFFSETS: &'static [[usize; 3]] =
         &[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
+    const SWEPT_BACK: usize = 4;
     const FACE_NODES: &'static [&'static [usize]] =
         &[&[0, 4, 7, 3], &[1, 2, 6, 5], &[0, 1, 5, 4], &[2, 3, 7, 6], &[0, 3, 2, 1], &[4, 5, 6, 7]];
 

@@ -14,6 +14,7 @@ use std::ops::{Add, Mul, Sub};
 
 use crate::affine::Affine;
 use crate::cell::{Cell, Truncation};
+use crate::clip::QuadTile;
 use crate::compensated::Pair;
 use crate::frame::{Direction, Frame, is_ill_conditioned};
 use crate::parallelepiped::UnitCube;
@@ -220,9 +221,12 @@ impl Along<'_> {
 }
 
 impl Cell<2> for Quad {
+    type Tile = QuadTile;
+
     const FACES: usize = 4;
     const VTK_CELL_TYPE: u8 = 9;
     const OFFSETS: &'static [[usize; 2]] = &[[0, 0], [1, 0], [1, 1], [0, 1]];
+    const SWEPT_BACK: usize = 3;
     const FACE_NODES: &'static [&'static [usize]] = &[&[3, 0], &[1, 2], &[0, 1], &[2, 3]];
 
     fn from_corners(node: impl Fn([usize; 2]) -> Vector2) -> Self {

@@ -66,3 +66,7 @@ pub const KOTHE_PARALLEL: f64 = 1e-6;
 /// Terms after which Kothe's series is cut off. They give full accuracy up to `|w| = 0.99`; at `w = -1` less than
 /// 2e-6 of the sum is left. Without a limit it would go on for ever there.
 pub const KOTHE_TERMS: usize = 2000;
+
+/// A simplex of a cell, relative to the cell's extent to the power of the dimension, that counts as nothing when the cell is
+/// cut out of a region. Its planes are rounding, and where all of them are, any part of the region could lie between them.
+pub const PIECE_NEGLIGIBLE: f64 = 1e-15;

@@ -4,9 +4,9 @@ mod common;
 
 use common::{KINDS, Random, at, config, corner, valid_cell};
 use proptest::prelude::*;
-use vofkit_geometry::clip::{Full, Polygon, Polyhedron, Region, Side, bounds};
+use vofkit_geometry::clip::{Full, Polygon, Polyhedron, Region, Side, Tile, Workspace, bounds};
 use vofkit_geometry::submesh::{self, Triangulation};
-use vofkit_geometry::{Cell, HalfSpace, Hexahedron, Quad, Vector};
+use vofkit_geometry::{Cell, HalfSpace, Hexahedron, PositionMethod, Quad, Vector};
 
 /// The middles of a cell's faces, each moved by up to `size`.
 fn middles<const D: usize>(cell: &impl Cell<D>, random: &mut Random, size: f64) -> Vec<Vector<D>> {
@@ -85,8 +85,84 @@ fn simplices_add_up<const D: usize>(region: &impl Region<D>) {
     assert!((first - all.first).amax() <= 4e-15 * scale(region).max(1.0), "{first:?} {all:?}");
 }
 
+/// What a region has in common with a cell.
+fn common_volume<C: Cell<D>, const D: usize>(region: &<C::Tile as Tile<D>>::Region, cell: &C) -> f64 {
+    let mut volume = 0.0;
+    let mut add = |sign: f64, part: &<C::Tile as Tile<D>>::Region| volume += sign * part.volume();
+    C::Tile::new(cell).common(region, &mut Workspace::new(), &mut add).expect("room");
+    volume
+}
+
+/// A region in the middle of three cells along each axis, whose inner nodes are moved.
+fn tiles_fill_space<C: Cell<D>, const D: usize>(seed: u64, size: f64, collapse: bool) {
+    let mut random = Random(seed);
+    let moves: Vec<Vector<D>> = (0..4_usize.pow(D as u32)).map(|_| random.vector(size)).collect();
+    let node = |at: [usize; D]| {
+        let inner = at.iter().all(|&i| i == 1 || i == 2);
+        let index = at.iter().rev().fold(0, |index, i| 4 * index + i);
+        let mut x = corner(at);
+        if inner {
+            x += moves[index];
+            // Two nodes fall together, and edges and faces between them collapse.
+            if collapse && at == [2; D] {
+                let mut other = at;
+                other[0] = 1;
+                x = corner(other) + moves[index - 1];
+            }
+        }
+        x
+    };
+    let shape: C = random.cell(0.45);
+    let shift = Vector::<D>::repeat(1.0) + random.vector::<D>(0.4);
+    let mut region = <C::Tile as Tile<D>>::Region::fans(shape.nodes(), &middles(&shape, &mut random, 0.1));
+    region.translate(&shift);
+    let mut sum = 0.0;
+    for mut cell in 0..3_usize.pow(D as u32) {
+        let at: [usize; D] = std::array::from_fn(|_| {
+            let i = cell % 3;
+            cell /= 3;
+            i
+        });
+        let cell = C::from_corners(|offset| node(std::array::from_fn(|k| at[k] + offset[k])));
+        let part = common_volume(&region, &cell);
+        // Where a cell crosses itself, it counts twice with itself.
+        if !cell.defects().iter().any(|defect| defect.is_error()) {
+            assert!((common_volume(&C::Tile::region(&cell), &cell) - cell.volume()).abs() <= 1e-13);
+        }
+        sum += part;
+    }
+    assert!((sum - region.volume()).abs() <= 1e-13, "{sum} {}", region.volume());
+}
+
 proptest! {
     #![proptest_config(config())]
+
+    #[test]
+    fn hexahedra_of_a_mesh_fill_a_region(seed in any::<u64>(), size in 0.0_f64..0.4, collapse in any::<bool>()) {
+        tiles_fill_space::<Hexahedron, 3>(seed, size, collapse);
+    }
+
+    #[test]
+    fn quadrilaterals_of_a_mesh_fill_a_region(seed in any::<u64>(), size in 0.0_f64..0.6, collapse in any::<bool>()) {
+        tiles_fill_space::<Quad, 2>(seed, size, collapse);
+    }
+
+    #[test]
+    fn the_plane_constant_of_a_tile_leaves_its_part(seed in any::<u64>(), fraction in 0.0_f64..=1.0) {
+        let cell: Hexahedron = valid_cell(seed / KINDS * KINDS);
+        let normal = Random(seed).unit();
+        let method = PositionMethod::default();
+        let found = <Hexahedron as Cell<3>>::Tile::plane_constant(&cell, &normal, fraction, method);
+        let half_space = HalfSpace { normal, constant: found.expect("a valid cell").constant };
+        let whole = <Hexahedron as Cell<3>>::Tile::region(&cell);
+        let mut below = Polyhedron::empty();
+        let part = match whole.cut(&half_space, &mut below).expect("room") {
+            Side::Below => whole.volume(),
+            Side::Above => 0.0,
+            Side::Across => below.volume(),
+        };
+        prop_assert!((part - fraction * cell.volume()).abs() <= 1e-14, "{part} {fraction}");
+    }
 
     #[test]
     fn polyhedra_cut_again_and_again_add_up(seed in any::<u64>(), size in 0.0_f64..0.6) {

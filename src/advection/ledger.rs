@@ -66,6 +66,10 @@ pub struct Ledger {
     pub faces_crossed: usize,
     /// Those of them whose swept region was cut by a plane.
     pub faces_cut: usize,
+    /// Pre-images of the unsplit scheme that were cut, because they met more than one material or void.
+    pub preimages_cut: usize,
+    /// Those of them that may fold over: their boundary is not seen from within.
+    pub preimages_folded: usize,
 }
 
 impl Ledger {
@@ -79,13 +83,20 @@ impl Ledger {
         for (a, b) in self.materials.iter_mut().zip(&other.materials) {
             a.add(b);
         }
-        if other.largest_correction.fraction > self.largest_correction.fraction {
-            self.largest_correction = other.largest_correction;
-        }
+        self.correct(other.largest_correction.fraction, other.largest_correction.cell);
         self.counts.add(&other.counts);
         self.sweeps += other.sweeps;
         self.cells_visited += other.cells_visited;
         self.faces_crossed += other.faces_crossed;
         self.faces_cut += other.faces_cut;
+        self.preimages_cut += other.preimages_cut;
+        self.preimages_folded += other.preimages_folded;
+    }
+
+    /// Notes a correction of a fraction, if it is the largest.
+    pub(super) fn correct(&mut self, fraction: f64, cell: usize) {
+        if fraction > self.largest_correction.fraction {
+            self.largest_correction = LargestCorrection { fraction, cell };
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! The transport of materials through a mesh that stands still: what stays the same over a run, and one step.
 
+use std::fmt;
+
 use vofkit_geometry::Cell;
 
 use super::band::Band;
@@ -7,9 +9,29 @@ use super::boundary::{Boundary, End, WallCrossed};
 use super::ledger::Ledger;
 use super::motion::{Motion, NodalMotion};
 use super::sweeps::{Sweep, Sweeps};
+use super::unsplit::{Step, Unsplit};
 use crate::interface::{Reconstruction, ReconstructionError, check_fractions};
 use crate::mesh::Mesh;
 use crate::velocity::{FaceFluxes, FluxRange, Velocity};
+
+/// How materials are advected.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Scheme {
+    /// One direction after the other (Algorithm 5.1 of the paper).
+    #[default]
+    Sweeps,
+    /// All directions at once: each cell gets what its pre-image holds, cut by every cell that it meets and by the planes in them.
+    Unsplit,
+}
+
+impl fmt::Display for Scheme {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Sweeps => "sweeps",
+            Self::Unsplit => "unsplit",
+        })
+    }
+}
 
 /// The directions of the sweeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -31,6 +53,8 @@ pub struct Settings<const D: usize> {
     pub inflow: Option<usize>,
     /// How the interface is reconstructed.
     pub reconstruction: Reconstruction,
+    /// How materials are advected.
+    pub scheme: Scheme,
     /// The directions of the sweeps.
     pub axes: SweepAxes,
     /// Whether to go on where a cell would give away more than it holds, instead of returning
@@ -44,6 +68,7 @@ impl<const D: usize> Default for Settings<D> {
             ends: [[None; 2]; D],
             inflow: None,
             reconstruction: Reconstruction::default(),
+            scheme: Scheme::default(),
             axes: SweepAxes::default(),
             overdraft: false,
         }
@@ -76,6 +101,16 @@ pub enum StepError {
         /// What leaves it in the sweep.
         outflow: f64,
     },
+    /// The pre-image of a cell folds over.
+    #[error(
+        "the time step is too large: the pre-image of cell {cell:?} folds over, and would fill {fraction} of the cell"
+    )]
+    Folded {
+        /// The cell's index along each axis.
+        cell: Vec<usize>,
+        /// The fraction of a material that would be in it; not a number where the pre-image folds too often to be cut.
+        fraction: f64,
+    },
     /// A plane that was not found.
     #[error(transparent)]
     Reconstruction(#[from] ReconstructionError),
@@ -94,6 +129,8 @@ pub struct Transport<'a, C, const D: usize> {
     overdraft: bool,
     band: Band,
     sweeps: Sweeps<D>,
+    /// For the unsplit scheme.
+    unsplit: Option<Unsplit<D>>,
 }
 
 impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
@@ -127,6 +164,7 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
             overdraft: settings.overdraft,
             band: Band::new(mesh.grid().len()),
             sweeps: Sweeps::default(),
+            unsplit: (settings.scheme == Scheme::Unsplit).then(|| Unsplit::new(mesh, &velocity.field)),
         })
     }
 
@@ -164,6 +202,20 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
         }
         for fractions in fractions.iter() {
             check_fractions(self.mesh.grid(), fractions)?;
+        }
+        if let Some(unsplit) = &mut self.unsplit {
+            self.band.collect(self.mesh, fractions, &self.boundary, unsplit.radius(duration));
+            let step = Step {
+                mesh: self.mesh,
+                boundary: &self.boundary,
+                fluxes: self.fluxes.step(duration),
+                field: &self.velocity.field,
+                band: &self.band,
+                reconstruction: self.reconstruction,
+                overdraft: self.overdraft,
+            };
+            unsplit.advance(&step, fractions, &mut ledger)?;
+            return Ok(ledger);
         }
         // Along mesh lines a cell's content moves by one cell per axis; with Cartesian sweeps, each over all faces, by D.
         let radius = if self.nodes.is_some() { D } else { 1 };

@@ -2,9 +2,11 @@
 //!
 //! [`grid`] counts cells, nodes and neighbours; [`distortion`] moves nodes; this file joins them to a [`Mesh`] whose cells
 //! are all checked when it is made. [`motion`] moves a mesh over a run, and [`swept`] counts what its faces then sweep.
+//! [`locate`] finds the cells at a place.
 
 pub mod distortion;
 pub mod grid;
+pub mod locate;
 pub mod motion;
 pub mod swept;
 
@@ -274,8 +276,13 @@ impl<C: Cell<D>, const D: usize> Mesh<C, D> {
 
     /// The cell in the coordinates of the mesh.
     pub fn cell(&self, index: usize) -> C {
+        self.shifted_cell(index, &Vector::zeros())
+    }
+
+    /// The cell with a vector added to all its nodes.
+    pub fn shifted_cell(&self, index: usize, shift: &Vector<D>) -> C {
         let at = self.grid.offset(index);
-        C::from_corners(|offset| self.nodes[self.grid.node_index(add(at, offset))])
+        C::from_corners(|offset| self.nodes[self.grid.node_index(add(at, offset))] + shift)
     }
 }
 

@@ -66,6 +66,8 @@ pub struct Corrections {
     pub largest_in_cell: Vec<usize>,
     /// Mixed cells without a normal, counted each time.
     pub no_normal: usize,
+    /// Pre-images of the unsplit scheme that were cut and may fold over, counted each time.
+    pub preimages_folded: usize,
 }
 
 /// What did not have to be done.
@@ -73,7 +75,7 @@ pub struct Corrections {
 pub struct Skipped {
     /// Cells, materials and sweeps without a plane.
     pub reconstructions: Share,
-    /// Faces, materials and sweeps whose swept region was not cut.
+    /// Faces, materials and sweeps whose swept region was not cut; unsplit: cells and steps whose pre-image was not.
     pub cuts: Share,
     /// Kinds of files that the scene did not ask for.
     pub outputs: Vec<String>,

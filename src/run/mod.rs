@@ -195,7 +195,9 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
                     ledger.add(&of_part);
                     part += 1;
                 }
-                Err(StepError::Overdrawn { .. }) if splits && count < MOST_SUBSTEPS => {
+                Err(StepError::Overdrawn { .. } | StepError::Folded { .. })
+                    if splits && count < MOST_SUBSTEPS =>
+                {
                     *substeps *= 2;
                     part *= 2;
                 }

@@ -3,7 +3,7 @@
 use crate::scene::{Part, Resolved, ReversalSetup, SceneError, Stepping, Substeps};
 use crate::velocity::Reversal;
 
-/// The largest Courant number of the sweeps: a cell cannot give more than it holds.
+/// The largest Courant number: a cell cannot give more than it holds.
 pub const COURANT_LIMIT: f64 = 1.0;
 
 /// Rounding of a Courant number or of a number of steps, relative.
@@ -46,7 +46,8 @@ impl Plan {
                     return Err(scene.error(
                         Part::Courant,
                         format!(
-                            "the Courant number {courant:.4} is above {COURANT_LIMIT}, the limit of the scheme `sweeps`"
+                            "the Courant number {courant:.4} is above {COURANT_LIMIT}, the limit of the scheme `{}`",
+                            scene.advection.scheme
                         ),
                         "lower advection.courant or take more steps; advection.substeps = \"auto\" splits the steps, \
                          \"off\" runs anyway",

@@ -4,7 +4,7 @@ use vofkit_geometry::{Cell, Vector};
 
 use super::memory;
 use super::plan::Plan;
-use crate::advection::{Settings, SweepAxes, Transport};
+use crate::advection::{Scheme, Settings, SweepAxes, Transport};
 use crate::fractions::volume_fractions;
 use crate::mesh::{Grid, Mesh, MeshError, axis_name};
 use crate::metrics::material_volume;
@@ -109,6 +109,7 @@ pub fn setup<'a, C: Cell<D>, const D: usize>(
         ends: scene.boundary.ends,
         inflow: scene.boundary.inflow,
         reconstruction: scene.reconstruction,
+        scheme: scene.advection.scheme,
         axes: scene.advection.sweep_axes,
         overdraft: plan.overdraft,
     };
@@ -172,7 +173,12 @@ pub fn memory<const D: usize>(scene: &Resolved<D>) -> u64 {
             values += 2 * dimension;
         }
     }
-    let band = size_of::<u32>() as u64;
+    let mut band = size_of::<u32>() as u64;
+    if scene.advection.scheme == Scheme::Unsplit {
+        // Places of mixed cells and of traced nodes; on distorted meshes boxes around blocks of cells.
+        band *= 3;
+        values += if distorted { 2 } else { 0 };
+    }
     let cells = scene.mesh.cells.iter().fold(1_u64, |cells, &count| cells.saturating_mul(count as u64));
     cells.saturating_mul(values * number + band)
 }

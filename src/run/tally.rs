@@ -4,7 +4,7 @@ use vofkit_geometry::Cell;
 
 use super::history::Line;
 use super::prepare::Setup;
-use crate::advection::{Ledger, MaterialLedger, SweepAxes};
+use crate::advection::{Ledger, MaterialLedger, Scheme, SweepAxes};
 use crate::interface::is_mixed;
 use crate::mesh::Mesh;
 use crate::metrics::{fragments, material_volume, shape_error};
@@ -118,6 +118,12 @@ impl Tally {
         let rounds = self.ledger.sweeps * fractions.len();
         // Along mesh lines a sweep deals with the faces of one direction.
         let faces = face_count(mesh) * rounds / if cartesian { 1 } else { D };
+        let cuts = match scene.advection.scheme {
+            Scheme::Unsplit => {
+                Share::without(self.ledger.preimages_cut, mesh.grid().len() * self.ledger.sweeps)
+            }
+            _ => Share::without(self.ledger.faces_cut, faces),
+        };
         let largest = self.ledger.largest_correction;
         Summary {
             scene: scene.name.clone(),
@@ -144,10 +150,11 @@ impl Tally {
                     Vec::new()
                 },
                 no_normal: counts.no_normal(),
+                preimages_folded: self.ledger.preimages_folded,
             },
             skipped: Skipped {
                 reconstructions: Share::without(planes, mesh.grid().len() * rounds),
-                cuts: Share::without(self.ledger.faces_cut, faces),
+                cuts,
                 outputs: not_asked_for(&scene.output),
                 times_after_end: Vec::new(),
             },

@@ -8,7 +8,7 @@ use vofkit_geometry::PositionMethod;
 
 use super::context::{Context, default};
 use super::error::SceneError;
-use crate::advection::SweepAxes;
+use crate::advection::{Scheme, SweepAxes};
 use crate::interface::Reconstruction;
 use crate::normal::NormalMethod;
 
@@ -122,6 +122,8 @@ pub enum Stepping {
 /// How the materials are moved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AdvectionSetup {
+    /// How materials are advected.
+    pub scheme: Scheme,
     /// The directions of the sweeps.
     pub sweep_axes: SweepAxes,
     /// What happens above the limit of the scheme.
@@ -133,11 +135,12 @@ pub struct AdvectionSetup {
 impl AdvectionSection {
     pub(super) fn resolve(&mut self, context: Context<'_>) -> Result<AdvectionSetup, SceneError> {
         context.word("the mode", &self.mode, &[("flow", ())], &["remesh"])?;
-        let later = ["isotropic", "weymouth_yue", "unsplit", "remap"];
-        context.word("the scheme", &self.scheme, &[("sweeps", ())], &later)?;
+        let schemes = [("sweeps", Scheme::Sweeps), ("unsplit", Scheme::Unsplit)];
+        let later = ["isotropic", "weymouth_yue", "remap"];
         let axes = [("logical", SweepAxes::Logical), ("cartesian", SweepAxes::Cartesian)];
         let substeps = [("error", Substeps::Error), ("auto", Substeps::Auto), ("off", Substeps::Off)];
         Ok(AdvectionSetup {
+            scheme: context.word("the scheme", &self.scheme, &schemes, &later)?,
             sweep_axes: context.word("sweep_axes", &self.sweep_axes, &axes, &[])?,
             substeps: context.word("substeps", &self.substeps, &substeps, &[])?,
             stepping: self.stepping(context)?,

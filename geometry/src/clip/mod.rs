@@ -13,15 +13,17 @@
 //! **Degenerate planes.** A point on the plane counts as below it. A cut through a corner, along an edge or a face leaves
 //! edges of no length and faces of no area, which enclose nothing.
 //!
-//! Read [`Polygon`], then [`Polyhedron`].
+//! Read [`Polygon`], [`Polyhedron`], then [`tile`]: what a region has in common with a cell.
 
 mod polygon;
 mod polyhedron;
+pub mod tile;
 
 use std::fmt;
 
 pub use polygon::Polygon;
 pub use polyhedron::Polyhedron;
+pub use tile::{HexahedronTile, QuadTile, Tile, Workspace};
 
 use crate::{HalfSpace, Vector};
 
@@ -93,6 +95,9 @@ pub trait Region<const D: usize>: Clone + Send + Sync + fmt::Debug {
     /// # Errors
     /// No room.
     fn split(&self, half_space: &HalfSpace<D>, below: &mut Self, above: &mut Self) -> Result<Side, Full>;
+
+    /// Whether every piece of the boundary turns its inner side to a point: nothing then folds over.
+    fn is_seen_from(&self, point: &Vector<D>) -> bool;
 
     /// Simplices that add up to the region; some may be turned inside out and count negative.
     fn simplices(&self, visit: &mut dyn FnMut(&Self));

@@ -114,6 +114,14 @@ impl Region<2> for Polygon {
         Ok(heights.side)
     }
 
+    fn is_seen_from(&self, point: &Vector2) -> bool {
+        (0..self.count).all(|i| {
+            let next = if i + 1 == self.count { 0 } else { i + 1 };
+            let (a, b) = (self.points[i] - point, self.points[next] - point);
+            a[0] * b[1] - a[1] * b[0] >= 0.0
+        })
+    }
+
     fn simplices(&self, visit: &mut dyn FnMut(&Self)) {
         let mut triangle = Self::empty();
         triangle.count = 3;

@@ -267,6 +267,13 @@ impl Region<3> for Polyhedron {
         Ok(heights.side)
     }
 
+    fn is_seen_from(&self, point: &Vector3) -> bool {
+        self.triangles().all(|triangle| {
+            let [a, b, c] = triangle.map(|i| self.points[usize::from(i)] - point);
+            a.dot(&b.cross(&c)) >= 0.0
+        })
+    }
+
     fn simplices(&self, visit: &mut dyn FnMut(&Self)) {
         let first = self.points[0];
         for triangle in self.triangles() {

@@ -1,0 +1,160 @@
+//! Where the content of a cell comes from: its pre-image, the cell traced back over the step.
+//!
+//! The nodes are traced by the classical Runge-Kutta method through the steady field, whose duration is the integral of its
+//! amplitude. Each face then is a fan from one added point to the traced edges (2D: two segments). The added point starts in
+//! the mean of the traced nodes, where the fan encloses what the ruled face does, and moves along the area vector `A` of
+//! the traced face until the region between the face and its fan has the flux volume `phi`: moving it by `s A` changes that by
+//! `-s |A|^2 / D`, so
+//!
+//! ```text
+//! s = D (V - phi) / |A|^2
+//! ```
+//!
+//! with the volume `V` between the face and its ruled pre-image. Both cells of a face find the same point. So the pre-images fill
+//! the mesh, and each has the volume of its cell less the sum of its fluxes: its own volume again.
+
+use vofkit_geometry::clip::{Region, Tile};
+use vofkit_geometry::{Cell, Vector};
+
+use super::nested::RegionOf;
+use crate::mesh::{Grid, Mesh};
+use crate::parallel;
+use crate::space::{planar, spatial};
+use crate::tolerance::FACE_COLLAPSED;
+use crate::velocity::Field;
+
+/// A node that was not traced.
+const NONE: u32 = u32::MAX;
+
+/// How far the nodes of some cells have come in a step.
+#[derive(Clone, Debug)]
+pub(super) struct Traces<const D: usize> {
+    /// By node: its place in `nodes`.
+    slot: Vec<u32>,
+    nodes: Vec<u32>,
+    displacements: Vec<Vector<D>>,
+}
+
+impl<const D: usize> Traces<D> {
+    pub(super) fn new(nodes: usize) -> Self {
+        Self { slot: vec![NONE; nodes], nodes: Vec::new(), displacements: Vec::new() }
+    }
+
+    /// Traces the nodes of some cells back.
+    pub(super) fn trace<C: Cell<D>>(
+        &mut self,
+        mesh: &Mesh<C, D>,
+        field: &Field,
+        duration: f64,
+        cells: &[u32],
+    ) {
+        for &node in &self.nodes {
+            self.slot[node as usize] = NONE;
+        }
+        self.nodes.clear();
+        let grid = mesh.grid();
+        for &cell in cells {
+            let offset = grid.offset(cell as usize);
+            for corner in C::OFFSETS {
+                let node = corner_node(grid, offset, corner);
+                if self.slot[node] == NONE {
+                    self.slot[node] = self.nodes.len() as u32;
+                    self.nodes.push(node as u32);
+                }
+            }
+        }
+        let nodes = &self.nodes;
+        self.displacements = parallel::map(nodes.len(), |i| {
+            planar(&displacement(field, &spatial(&mesh.nodes()[nodes[i] as usize]), duration))
+        });
+    }
+
+    /// The nodes of a traced cell relative to its first one, in node order: where they are, and where they come from.
+    pub(super) fn nodes<C: Cell<D>>(&self, mesh: &Mesh<C, D>, offset: [usize; D]) -> [[Vector<D>; 8]; 2] {
+        let grid = mesh.grid();
+        let origin = mesh.nodes()[grid.node_index(offset)];
+        let [mut now, mut before] = [[Vector::zeros(); 8]; 2];
+        for (i, corner) in C::OFFSETS.iter().enumerate() {
+            let node = corner_node(grid, offset, corner);
+            now[i] = mesh.nodes()[node] - origin;
+            before[i] = now[i] - self.displacements[self.slot[node] as usize];
+        }
+        [now, before]
+    }
+}
+
+fn corner_node<const D: usize>(grid: &Grid<D>, offset: [usize; D], corner: &[usize; D]) -> usize {
+    grid.node_index(std::array::from_fn(|k| offset[k] + corner[k]))
+}
+
+/// How far a point has come while the steady field acted for `duration`: it came from its place minus this.
+fn displacement(field: &Field, x: &Vector<3>, duration: f64) -> Vector<3> {
+    let k1 = field.velocity(x);
+    let k2 = field.velocity(&(x - k1 * (0.5 * duration)));
+    let k3 = field.velocity(&(x - k2 * (0.5 * duration)));
+    let k4 = field.velocity(&(x - k3 * duration));
+    (k1 + (k2 + k3) * 2.0 + k4) * (duration / 6.0)
+}
+
+/// A traced face, its nodes in outward order: where they are, and where they come from, with the added point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TracedFace<const D: usize> {
+    pub(super) now: [Vector<D>; 4],
+    pub(super) before: [Vector<D>; 4],
+    pub(super) middle: Vector<D>,
+}
+
+impl<const D: usize> Default for TracedFace<D> {
+    fn default() -> Self {
+        Self { now: [Vector::zeros(); 4], before: [Vector::zeros(); 4], middle: Vector::zeros() }
+    }
+}
+
+impl<const D: usize> TracedFace<D> {
+    /// A face of a cell through which the volume `flux` leaves the cell.
+    pub(super) fn new<C: Cell<D>>([now, before]: &[[Vector<D>; 8]; 2], face: usize, flux: f64) -> Self {
+        let index = C::FACE_NODES[face];
+        let pick = |nodes: &[Vector<D>; 8]| {
+            let mut picked = [Vector::zeros(); 4];
+            for (x, &i) in picked.iter_mut().zip(index) {
+                *x = nodes[i];
+            }
+            picked
+        };
+        let (now, before) = (pick(now), pick(before));
+        let (front, back) = (&now[..index.len()], &before[..index.len()]);
+        let mean = back.iter().sum::<Vector<D>>() / index.len() as f64;
+        let area = C::area_vector(back);
+        let square = area.norm_squared();
+        let extent = back.iter().map(|x| (x - back[0]).amax()).fold(0.0, f64::max);
+        // A collapsed face lets nothing through.
+        let middle = if square.sqrt() > FACE_COLLAPSED * extent.powi(D as i32 - 1) {
+            let excess = C::swept(back, front).volume() - flux;
+            mean + area * (D as f64 * excess / square)
+        } else {
+            mean
+        };
+        Self { now, before, middle }
+    }
+
+    /// The region that the face swept; it counts positive where volume left the cell.
+    pub(super) fn swept<C: Cell<D>>(&self) -> RegionOf<C, D> {
+        let count = C::FACE_NODES[0].len();
+        let swept = C::swept(&self.before[..count], &self.now[..count]);
+        let mut middles = C::Tile::middles(&swept);
+        middles[C::SWEPT_BACK] = self.middle;
+        Region::fans(swept.nodes(), &middles[..C::FACES])
+    }
+}
+
+/// The pre-image of a cell: its traced nodes and faces, relative to its first node.
+pub(super) fn preimage<C: Cell<D>, const D: usize>(
+    nodes: &[[Vector<D>; 8]; 2],
+    faces: &[TracedFace<D>],
+) -> RegionOf<C, D> {
+    let mut middles = [Vector::zeros(); 6];
+    for (middle, face) in middles.iter_mut().zip(faces) {
+        *middle = face.middle;
+    }
+    Region::fans(&nodes[1][..C::OFFSETS.len()], &middles[..faces.len()])
+}
