@@ -4,10 +4,12 @@
 //!
 //! 1. [`geometry`]: cells, planes, truncated volumes and plane constants;
 //! 2. [`mesh`]: structured meshes, distorted, checked, and moved over a run;
-//! 3. [`shape`] and [`fractions`]: from shapes to volume fractions; [`velocity`]: fields and the volumes that cross faces;
+//! 3. [`shape`] and [`fractions`]: from shapes to volume fractions; [`profile`]: quantities at the
+//!    start; [`velocity`]: fields and the volumes that cross faces;
 //! 4. [`normal`] and [`interface`]: a plane in every mixed cell, and its [`facet`];
 //! 5. [`advection`]: fractions a step later, with a ledger of what was done;
-//! 6. [`metrics`]: numbers that judge a result; [`export`]: files for viewers.
+//! 6. [`volume_associated`] and [`nodal`]: the same for quantities of the mesh and its nodes;
+//! 7. [`metrics`]: numbers that judge a result; [`export`]: files for viewers.
 //!
 //! With the feature `cli`, `scene` reads scene files, `run` runs them, `report` sums up, `kernel` takes tables of cells and planes
 //! through the geometry kernel, and `cli` is the command line `vofkit`.
@@ -38,8 +40,10 @@ pub mod interface;
 pub mod kernel;
 pub mod mesh;
 pub mod metrics;
+pub mod nodal;
 pub mod normal;
 pub mod parallel;
+pub mod profile;
 mod quanta;
 #[cfg(feature = "cli")]
 pub mod report;
@@ -51,6 +55,7 @@ pub mod shape;
 mod space;
 pub mod tolerance;
 pub mod velocity;
+pub mod volume_associated;
 
 /// What most programs use.
 pub mod prelude {

@@ -9,6 +9,10 @@ use rayon::prelude::*;
 /// Items of one block of a sum, and the least work worth a thread.
 const BLOCK: usize = 256;
 
+/// The fewest elements of chunks worth a thread, whose work is a few operations an element.
+#[cfg(feature = "parallel")]
+const CHUNKED: usize = 4096;
+
 /// `[work(0), work(1), ...]`, `count` of them.
 pub fn map<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
     #[cfg(feature = "parallel")]
@@ -62,4 +66,16 @@ pub fn for_each_with_scratch<T: Send, U: Send, S>(
             work(&mut scratch, i, item, part);
         }
     }
+}
+
+/// Calls `work(i, chunk i of flat)` for every chunk of `length` elements.
+pub fn for_each_chunk<T: Send>(flat: &mut [T], length: usize, work: impl Fn(usize, &mut [T]) + Sync + Send) {
+    let length = length.max(1);
+    #[cfg(feature = "parallel")]
+    flat.par_chunks_mut(length)
+        .with_min_len(CHUNKED.div_ceil(length))
+        .enumerate()
+        .for_each(|(i, chunk)| work(i, chunk));
+    #[cfg(not(feature = "parallel"))]
+    flat.chunks_mut(length).enumerate().for_each(|(i, chunk)| work(i, chunk));
 }

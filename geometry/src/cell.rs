@@ -49,6 +49,14 @@ pub trait Cell<const D: usize>: Copy + Send + Sync + std::fmt::Debug + 'static {
     /// If the slices do not hold the `2^(D-1)` nodes of a face.
     fn swept(back: &[Vector<D>], face: &[Vector<D>]) -> Self;
 
+    /// The volume of [`Cell::swept`], to the rounding of the volume of a cell of that extent, without what cuts need.
+    ///
+    /// # Panics
+    /// If the slices do not hold the `2^(D-1)` nodes of a face.
+    fn swept_volume(back: &[Vector<D>], face: &[Vector<D>]) -> f64 {
+        Self::swept(back, face).volume()
+    }
+
     /// The nodes, in node order.
     fn nodes(&self) -> &[Vector<D>];
 

@@ -234,6 +234,13 @@ impl Cell<3> for Hexahedron {
         Self::new(std::array::from_fn(|i| if i < 4 { back[i] } else { face[i - 4] }))
     }
 
+    fn swept_volume(back: &[Vector3], face: &[Vector3]) -> f64 {
+        assert!(back.len() == 4 && face.len() == 4, "a face of a hexahedron has four nodes");
+        let node = |i: usize| if i < 4 { &back[i] } else { &face[i - 4] };
+        let (edges, twists) = modes(|a, b| node(b) - node(a));
+        volume(&edges, &twists)
+    }
+
     fn nodes(&self) -> &[Vector3] {
         &self.nodes
     }

@@ -18,4 +18,5 @@ mod unsplit;
 
 pub use boundary::{Boundary, End, WallCrossed};
 pub use ledger::{Ledger, MaterialLedger};
+pub(crate) use transport::sweep_order;
 pub use transport::{Scheme, Settings, SetupError, StepError, SweepAxes, Transport};

@@ -245,7 +245,7 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
 }
 
 /// The axes in the order of a step's sweeps: all orders in turn, each followed by its reverse.
-fn sweep_order<const D: usize>(step: usize) -> [usize; D] {
+pub(crate) fn sweep_order<const D: usize>(step: usize) -> [usize; D] {
     let shift = step / 2 % D;
     std::array::from_fn(|i| {
         let i = if step.is_multiple_of(2) { i } else { D - 1 - i };

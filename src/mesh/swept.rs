@@ -120,5 +120,5 @@ fn swept<C: Cell<D>, const D: usize>(
         moves |= old != new;
     }
     // In outward order, which is towards lower indices.
-    if moves { C::swept(&back[..index.len()], &front[..index.len()]).volume() } else { 0.0 }
+    if moves { C::swept_volume(&back[..index.len()], &front[..index.len()]) } else { 0.0 }
 }

@@ -1,8 +1,10 @@
 //! Numbers that say how good a result is.
 
+mod field;
 mod fragments;
 mod gap;
 
+pub use field::{absolute_integral, extremes, integral, total_variation};
 pub use fragments::{Fragments, fragments};
 pub use gap::facet_gap_mean;
 
@@ -13,7 +15,7 @@ use crate::parallel;
 
 /// The volume of a material, `sum f V`.
 pub fn material_volume<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, fractions: &[f64]) -> f64 {
-    parallel::sum(fractions.len(), |i| fractions[i] * mesh.volumes()[i])
+    integral(mesh, fractions)
 }
 
 /// The error of a shape, `E = sum |f - f_exact| V`, in the unit of volume.

@@ -7,7 +7,7 @@ use super::prepare::Setup;
 use crate::advection::{Ledger, MaterialLedger, Scheme, SweepAxes};
 use crate::interface::is_mixed;
 use crate::mesh::Mesh;
-use crate::metrics::{fragments, material_volume, shape_error};
+use crate::metrics::{extremes, fragments, material_volume, shape_error};
 use crate::parallel;
 use crate::report::{Corrections, MaterialCorrections, MaterialSummary, Share, Skipped, Summary};
 use crate::scene::{OutputSetup, Resolved};
@@ -213,10 +213,6 @@ pub(crate) fn mixed_cells(fractions: &[Vec<f64>]) -> usize {
     let cells = fractions.first().map_or(0, Vec::len);
     // Whole numbers add up exactly.
     parallel::sum(cells, |cell| if fractions.iter().any(|f| is_mixed(f[cell])) { 1.0 } else { 0.0 }) as usize
-}
-
-fn extremes(fractions: &[f64]) -> [f64; 2] {
-    fractions.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &f| [a.min(f), b.max(f)])
 }
 
 /// Faces of a mesh; those at joined ends are one.

@@ -1,10 +1,11 @@
 //! Shapes that initialise a material: primitives and their unions, intersections and differences.
 //!
 //! This file holds the shapes and how they move; [`rotation`] the rotations, [`check`] what is wrong with a shape,
-//! [`extent`] volumes and bounding boxes in closed form. [`crate::fractions`] turns shapes into volume fractions.
+//! [`extent`] volumes and bounding boxes in closed form, `membership` which points a shape holds. [`crate::fractions`] turns shapes into volume fractions.
 
 pub mod check;
 pub mod extent;
+mod membership;
 pub mod rotation;
 
 use vofkit_geometry::{HalfSpace, Vector};
