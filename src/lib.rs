@@ -59,7 +59,9 @@ pub mod volume_associated;
 
 /// What most programs use.
 pub mod prelude {
-    pub use crate::advection::{Ledger, Scheme, Settings, StepError, SweepAxes, Transport};
+    pub use crate::advection::{
+        Ledger, Remesh, Scheme, Settings, StepError, SweepAxes, SweepOrder, Transport,
+    };
     pub use crate::facet::Facet;
     pub use crate::fractions::volume_fractions;
     pub use crate::geometry::{Cell, HalfSpace, Hexahedron, PositionMethod, Quad, Vector};

@@ -13,6 +13,11 @@ const BLOCK: usize = 256;
 #[cfg(feature = "parallel")]
 const CHUNKED: usize = 4096;
 
+/// Blocks that `count` items make.
+pub fn blocks(count: usize) -> usize {
+    count.div_ceil(BLOCK)
+}
+
 /// `[work(0), work(1), ...]`, `count` of them.
 pub fn map<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
     #[cfg(feature = "parallel")]
@@ -24,7 +29,7 @@ pub fn map<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync + Send) -> Ve
 /// The sum of `term(0) + term(1) + ...`, `count` of them: the same bits for any number of threads.
 pub fn sum(count: usize, term: impl Fn(usize) -> f64 + Sync + Send) -> f64 {
     let block = |b: usize| (b * BLOCK..((b + 1) * BLOCK).min(count)).map(&term).sum::<f64>();
-    let blocks = count.div_ceil(BLOCK);
+    let blocks = blocks(count);
     #[cfg(feature = "parallel")]
     let sums: Vec<f64> = (0..blocks).into_par_iter().with_min_len(16).map(block).collect();
     #[cfg(not(feature = "parallel"))]
@@ -78,4 +83,32 @@ pub fn for_each_chunk<T: Send>(flat: &mut [T], length: usize, work: impl Fn(usiz
         .for_each(|(i, chunk)| work(i, chunk));
     #[cfg(not(feature = "parallel"))]
     flat.chunks_mut(length).enumerate().for_each(|(i, chunk)| work(i, chunk));
+}
+
+/// Calls `work(first, items, part of flat, result)` for every block of items, `first` being the number of its first one; an item
+/// has `flat.len() / items.len()` elements of `flat`, and a block has one of the [`blocks`] results.
+pub fn for_each_block<T: Send, U: Send, R: Send>(
+    items: &mut [T],
+    flat: &mut [U],
+    results: &mut [R],
+    work: impl Fn(usize, &mut [T], &mut [U], &mut R) + Sync + Send,
+) {
+    if items.is_empty() {
+        return;
+    }
+    let width = (flat.len() / items.len()).max(1);
+    #[cfg(feature = "parallel")]
+    items
+        .par_chunks_mut(BLOCK)
+        .zip(flat.par_chunks_mut(BLOCK * width))
+        .zip(results)
+        .enumerate()
+        .for_each(|(block, ((items, flat), result))| work(block * BLOCK, items, flat, result));
+    #[cfg(not(feature = "parallel"))]
+    items
+        .chunks_mut(BLOCK)
+        .zip(flat.chunks_mut(BLOCK * width))
+        .zip(results)
+        .enumerate()
+        .for_each(|(block, ((items, flat), result))| work(block * BLOCK, items, flat, result));
 }

@@ -3,7 +3,7 @@
 use crate::tolerance::FLUX_BITS;
 
 /// The power of two of one step.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Quanta {
     /// Adding and subtracting this rounds to whole quanta.
     rounder: f64,
@@ -20,5 +20,10 @@ impl Quanta {
     /// The nearest number of whole quanta.
     pub(crate) fn round(self, volume: f64) -> f64 {
         (volume + self.rounder) - self.rounder
+    }
+
+    /// The larger of two.
+    pub(crate) fn coarser(self, other: Self) -> Self {
+        if self.rounder >= other.rounder { self } else { other }
     }
 }

@@ -70,6 +70,13 @@ pub const TURN_ROUNDING: f64 = 1e-24;
 /// velocity changes sign): the face is then moved as a whole.
 pub const SWEPT_VOLUME_RATIO: f64 = 2.0;
 
+/// Rounds in which the depth of a region that is traced back along no single axis is adjusted. Each gains the Courant number
+/// times the change of the velocity over a cell; what is left in folded faces is settled by moving the face as a whole.
+pub const TRACE_ITERATIONS: usize = 8;
+
+/// What crosses an end of a moving mesh below this, relative to the cell at the end, is the rounding of nodes that slide along it.
+pub const END_SLIDING: f64 = 1e-13;
+
 /// Two outflows of a cell may ask for this much more than it holds, relative to its volume: rounding.
 pub const OUTFLOW_EXCESS: f64 = 1e-12;
 

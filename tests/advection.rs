@@ -2,45 +2,20 @@
 
 mod common;
 
-use common::{Mesh2, Mesh3, random, transport, unit_mesh};
+use common::{Mesh2, Mesh3, drift, random, run, steady, transport, unit_mesh};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use vofkit::advection::{End, Ledger, Settings, SetupError, StepError, SweepAxes, Transport};
+use vofkit::advection::{End, Settings, SetupError, StepError, SweepAxes, Transport};
 use vofkit::fractions::volume_fractions;
 use vofkit::geometry::{Cell, HalfSpace, Vector};
 use vofkit::interface::ReconstructionError;
 use vofkit::mesh::{Distortion, Grid, Mesh, MeshError};
 use vofkit::metrics::{material_volume, shape_error};
 use vofkit::shape::Shape;
-use vofkit::velocity::{Field, Reversal, Velocity};
-
-fn steady(field: Field) -> Velocity {
-    Velocity { field, reversal: Reversal::None }
-}
+use vofkit::velocity::{Field, Velocity};
 
 fn uniform(velocity: [f64; 3]) -> Velocity {
     steady(Field::Uniform { velocity: Vector::<3>::from(velocity) })
-}
-
-/// Runs `steps` equal steps up to `end` and adds up what they did.
-fn run<C: Cell<D>, const D: usize>(
-    transport: &mut Transport<'_, C, D>,
-    fractions: &mut [Vec<f64>],
-    steps: usize,
-    end: f64,
-) -> Result<Ledger, StepError> {
-    let mut ledger = Ledger::new(fractions.len());
-    let time = |step: usize| end * step as f64 / steps as f64;
-    for step in 0..steps {
-        ledger.add(&transport.step(fractions, step, time(step), time(step + 1))?);
-    }
-    Ok(ledger)
-}
-
-/// Relative change of the volume, less what left through open ends.
-fn drift<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, before: &[f64], after: &[f64], outflow: f64) -> f64 {
-    let start = material_volume(mesh, before);
-    (material_volume(mesh, after) - start + outflow) / start
 }
 
 fn disc(centre: [f64; 2], radius: f64) -> Shape<2> {

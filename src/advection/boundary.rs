@@ -2,7 +2,7 @@
 
 use vofkit_geometry::Cell;
 
-use crate::mesh::{Mesh, axis_name};
+use crate::mesh::{Grid, Mesh, axis_name};
 use crate::velocity::FaceFluxes;
 
 /// What one end of an axis is. Periodic axes are a matter of the [grid](crate::mesh::Grid).
@@ -56,11 +56,21 @@ impl<const D: usize> Boundary<D> {
         inflow: Option<usize>,
     ) -> Result<Self, WallCrossed> {
         let unit = fluxes.step(1.0);
+        Self::where_crossed(mesh, asked, inflow, |offset, axis, side| unit.through(offset, axis, side).abs())
+    }
+
+    /// The same for whatever volume crosses the faces at the ends.
+    pub(super) fn where_crossed<C: Cell<D>>(
+        mesh: &Mesh<C, D>,
+        asked: [[Option<End>; 2]; D],
+        inflow: Option<usize>,
+        crossing: impl Fn([usize; D], usize, usize) -> f64,
+    ) -> Result<Self, WallCrossed> {
         let mut ends = [[End::Outflow; 2]; D];
         for axis in (0..D).filter(|&axis| !mesh.grid().periodic()[axis]) {
             for side in 0..2 {
                 let rate = boundary_layer(mesh, axis, side)
-                    .map(|offset| unit.through(offset, axis, side).abs())
+                    .map(|offset| crossing(offset, axis, side))
                     .fold(0.0, f64::max);
                 ends[axis][side] = match asked[axis][side] {
                     None if rate == 0.0 => End::Wall,
@@ -71,6 +81,12 @@ impl<const D: usize> Boundary<D> {
             }
         }
         Ok(Self { ends, inflow })
+    }
+
+    /// Whether a face of the cell at `offset` is a wall.
+    pub(super) fn is_wall(&self, grid: &Grid<D>, offset: [usize; D], axis: usize, side: usize) -> bool {
+        let last = if side == 1 { grid.cells()[axis] - 1 } else { 0 };
+        offset[axis] == last && !grid.periodic()[axis] && self.ends[axis][side] == End::Wall
     }
 }
 

@@ -5,9 +5,9 @@ use crate::interface::Counts;
 /// One material's account of a step: fractions before any correction, and every correction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MaterialLedger {
-    /// Smallest fraction before correction, among the cells of the band.
+    /// Smallest fraction before correction, among the cells that a sweep could change.
     pub smallest: f64,
-    /// Largest fraction before correction, among the cells of the band.
+    /// Largest fraction before correction, among the cells that a sweep could change.
     pub largest: f64,
     /// Volume moved by setting fractions below 0 to 0 and above 1 to 1, added up without sign.
     pub clipped: f64,
@@ -49,6 +49,15 @@ pub struct LargestCorrection {
     pub cell: usize,
 }
 
+impl LargestCorrection {
+    /// Keeps the larger of two corrections; the earlier one of two equal ones.
+    pub fn note(&mut self, other: Self) {
+        if other.fraction > self.fraction {
+            *self = other;
+        }
+    }
+}
+
 /// What a step, or a whole run, did.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ledger {
@@ -62,7 +71,7 @@ pub struct Ledger {
     pub sweeps: usize,
     /// Cells of the band, added up over sweeps: those that were looked at.
     pub cells_visited: usize,
-    /// Faces through which volume left a cell of the band, added up over sweeps.
+    /// Faces through which volume left a cell that the sweep could change, added up over sweeps.
     pub faces_crossed: usize,
     /// Those of them whose swept region was cut by a plane.
     pub faces_cut: usize,
@@ -83,7 +92,7 @@ impl Ledger {
         for (a, b) in self.materials.iter_mut().zip(&other.materials) {
             a.add(b);
         }
-        self.correct(other.largest_correction.fraction, other.largest_correction.cell);
+        self.largest_correction.note(other.largest_correction);
         self.counts.add(&other.counts);
         self.sweeps += other.sweeps;
         self.cells_visited += other.cells_visited;
@@ -91,12 +100,5 @@ impl Ledger {
         self.faces_cut += other.faces_cut;
         self.preimages_cut += other.preimages_cut;
         self.preimages_folded += other.preimages_folded;
-    }
-
-    /// Notes a correction of a fraction, if it is the largest.
-    pub(super) fn correct(&mut self, fraction: f64, cell: usize) {
-        if fraction > self.largest_correction.fraction {
-            self.largest_correction = LargestCorrection { fraction, cell };
-        }
     }
 }

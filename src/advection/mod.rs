@@ -1,22 +1,30 @@
 //! Advection of the volume fractions of materials.
 //!
-//! [`Transport`] holds what stays the same over a run; each [`Transport::step`] moves the fractions in place and returns a
-//! [`Ledger`] of what it did. Read [`boundary`], [`ledger`], [`transport`], then the private
-//! rooms: the band of cells that a step can change; the motion of its faces and the sweeps; and for unsplit advection the shares that
+//! [`Transport`] moves them through a mesh that stands still, [`Remesh`] from one place of a mesh to the next; each step changes the
+//! fractions in place and returns a [`Ledger`] of what it did. Read [`settings`], [`boundary`], [`ledger`], [`schedule`],
+//! [`transport`], [`remesh`], then the private rooms: the band of cells that a step can change; the stages (what a sweep moves and
+//! where it comes from), the sweeps, and how several materials share what leaves a cell; and for unsplit advection the shares that
 //! materials have of cells (`nested`), what a region holds of each (`content`), and the regions that cells come from (`preimage`).
 
 mod band;
 pub mod boundary;
 mod content;
 pub mod ledger;
-mod motion;
 mod nested;
 mod preimage;
+pub mod remesh;
+pub mod schedule;
+pub mod settings;
+mod share;
+mod stage;
 mod sweeps;
 pub mod transport;
 mod unsplit;
 
 pub use boundary::{Boundary, End, WallCrossed};
 pub use ledger::{Ledger, MaterialLedger};
-pub(crate) use transport::sweep_order;
-pub use transport::{Scheme, Settings, SetupError, StepError, SweepAxes, Transport};
+pub use remesh::Remesh;
+pub use schedule::SweepOrder;
+pub(crate) use schedule::sweep_order;
+pub use settings::{Scheme, Settings, SweepAxes};
+pub use transport::{SetupError, StepError, Transport};

@@ -1,79 +1,18 @@
 //! The transport of materials through a mesh that stands still: what stays the same over a run, and one step.
 
-use std::fmt;
-
 use vofkit_geometry::Cell;
 
 use super::band::Band;
-use super::boundary::{Boundary, End, WallCrossed};
+use super::boundary::{Boundary, WallCrossed};
 use super::ledger::Ledger;
-use super::motion::{Motion, NodalMotion};
-use super::sweeps::{Sweep, Sweeps};
+use super::schedule::{Share, Turn, turns};
+use super::settings::{Scheme, Settings};
+use super::stage::{NodalMotion, Outward, Regions, Stage, components, outward_volumes};
+use super::sweeps::{Holding, Rules, Sweeps};
 use super::unsplit::{Step, Unsplit};
-use crate::interface::{Reconstruction, ReconstructionError, check_fractions};
-use crate::mesh::Mesh;
+use crate::interface::{ReconstructionError, check_fractions};
+use crate::mesh::{Mesh, MotionError};
 use crate::velocity::{FaceFluxes, FluxRange, Velocity};
-
-/// How materials are advected.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Scheme {
-    /// One direction after the other (Algorithm 5.1 of the paper).
-    #[default]
-    Sweeps,
-    /// All directions at once: each cell gets what its pre-image holds, cut by every cell that it meets and by the planes in them.
-    Unsplit,
-}
-
-impl fmt::Display for Scheme {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Sweeps => "sweeps",
-            Self::Unsplit => "unsplit",
-        })
-    }
-}
-
-/// The directions of the sweeps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum SweepAxes {
-    /// Along mesh lines, over two opposite faces of every cell: conservative and bounded to rounding on any mesh.
-    #[default]
-    Logical,
-    /// One Cartesian component of the displacement per sweep, over all faces: the paper's. On an undistorted mesh a component
-    /// crosses the faces of one direction alone, and this is [`SweepAxes::Logical`].
-    Cartesian,
-}
-
-/// How materials are transported.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings<const D: usize> {
-    /// What the ends `[lower, upper]` of each axis are; where not given, a wall if nothing crosses it, else open.
-    pub ends: [[Option<End>; 2]; D],
-    /// The material that flows in through open ends; none for void.
-    pub inflow: Option<usize>,
-    /// How the interface is reconstructed.
-    pub reconstruction: Reconstruction,
-    /// How materials are advected.
-    pub scheme: Scheme,
-    /// The directions of the sweeps.
-    pub axes: SweepAxes,
-    /// Whether to go on where a cell would give away more than it holds, instead of returning
-    /// [`StepError::Overdrawn`]; what cannot be given shows up in the ledger.
-    pub overdraft: bool,
-}
-
-impl<const D: usize> Default for Settings<D> {
-    fn default() -> Self {
-        Self {
-            ends: [[None; 2]; D],
-            inflow: None,
-            reconstruction: Reconstruction::default(),
-            scheme: Scheme::default(),
-            axes: SweepAxes::default(),
-            overdraft: false,
-        }
-    }
-}
 
 /// A transport that cannot be set up.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -84,6 +23,18 @@ pub enum SetupError {
     /// A velocity out of range.
     #[error(transparent)]
     Fluxes(#[from] FluxRange),
+    /// A scheme that needs a mesh which stands still.
+    #[error("the scheme {scheme} needs a mesh that stands still")]
+    Moving {
+        /// The scheme.
+        scheme: Scheme,
+    },
+    /// A scheme that needs boxes of one size.
+    #[error("the scheme {} needs an undistorted mesh", scheme)]
+    Distorted {
+        /// The scheme.
+        scheme: Scheme,
+    },
 }
 
 /// A step that cannot be done.
@@ -114,6 +65,12 @@ pub enum StepError {
     /// A plane that was not found.
     #[error(transparent)]
     Reconstruction(#[from] ReconstructionError),
+    /// An end of a moving mesh that was said to be a wall, but moves.
+    #[error("an end of the mesh that is said to be a wall moves: {0}")]
+    MovingWall(WallCrossed),
+    /// A mesh that cannot be moved to.
+    #[error(transparent)]
+    Mesh(#[from] MotionError),
 }
 
 /// Moves the fractions of materials through a mesh that stands still.
@@ -123,11 +80,10 @@ pub struct Transport<'a, C, const D: usize> {
     velocity: Velocity,
     fluxes: FaceFluxes<D>,
     boundary: Boundary<D>,
-    reconstruction: Reconstruction,
-    /// For Cartesian sweeps on distorted meshes; on undistorted ones the sweeps run along mesh lines.
+    settings: Settings<D>,
+    /// For regions that are traced back.
     nodes: Option<NodalMotion<D>>,
-    overdraft: bool,
-    band: Band,
+    band: Band<D>,
     sweeps: Sweeps<D>,
     /// For the unsplit scheme.
     unsplit: Option<Unsplit<D>>,
@@ -137,35 +93,43 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
     /// Prepares the transport through `mesh` by `velocity`.
     ///
     /// # Errors
-    /// A velocity out of range, or a wall that was asked for, but is crossed by the velocity.
+    /// A velocity out of range, a wall that was asked for, but is crossed by the velocity, or a scheme that cannot deal with
+    /// the mesh.
     pub fn new(mesh: &'a Mesh<C, D>, velocity: Velocity, settings: Settings<D>) -> Result<Self, SetupError> {
-        Ok(Self::with_fluxes(mesh, velocity, FaceFluxes::new(mesh, &velocity.field)?, settings)?)
+        Self::with_fluxes(mesh, velocity, FaceFluxes::new(mesh, &velocity.field)?, settings)
     }
 
     /// The same with the face fluxes of `velocity.field` at hand.
     ///
     /// # Errors
-    /// A wall that was asked for, but is crossed by the velocity.
+    /// A wall that was asked for, but is crossed by the velocity, or a scheme that cannot deal with the mesh.
     pub fn with_fluxes(
         mesh: &'a Mesh<C, D>,
         velocity: Velocity,
         fluxes: FaceFluxes<D>,
         settings: Settings<D>,
-    ) -> Result<Self, WallCrossed> {
+    ) -> Result<Self, SetupError> {
+        if settings.scheme == Scheme::WeymouthYue && !mesh.is_undistorted() {
+            return Err(SetupError::Distorted { scheme: settings.scheme });
+        }
         let boundary = Boundary::resolve(mesh, &fluxes, settings.ends, settings.inflow)?;
-        let cartesian = settings.axes == SweepAxes::Cartesian && !mesh.is_undistorted();
+        let traced = settings.scheme == Scheme::Isotropic || settings.splits_displacement(mesh);
         Ok(Self {
             mesh,
             velocity,
             fluxes,
             boundary,
-            reconstruction: settings.reconstruction,
-            nodes: cartesian.then(|| NodalMotion::new(mesh, &velocity.field)),
-            overdraft: settings.overdraft,
-            band: Band::new(mesh.grid().len()),
+            settings,
+            nodes: traced.then(|| NodalMotion::new(mesh, &velocity.field)),
+            band: Band::new(),
             sweeps: Sweeps::default(),
             unsplit: (settings.scheme == Scheme::Unsplit).then(|| Unsplit::new(mesh, &velocity.field)),
         })
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &'a Mesh<C, D> {
+        self.mesh
     }
 
     /// The fluxes through the faces.
@@ -195,60 +159,90 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
         start: f64,
         end: f64,
     ) -> Result<Ledger, StepError> {
-        let mut ledger = Ledger::new(fractions.len());
         let duration = self.velocity.duration(start, end);
         if duration == 0.0 || fractions.is_empty() {
-            return Ok(ledger);
+            return Ok(Ledger::new(fractions.len()));
         }
         for fractions in fractions.iter() {
             check_fractions(self.mesh.grid(), fractions)?;
         }
+        let fluxes = self.fluxes.step(duration);
         if let Some(unsplit) = &mut self.unsplit {
-            self.band.collect(self.mesh, fractions, &self.boundary, unsplit.radius(duration));
+            let mut ledger = Ledger::new(fractions.len());
+            let reach = [unsplit.radius(duration); D];
+            self.band.collect(self.mesh.grid(), fractions, &self.boundary, reach);
             let step = Step {
                 mesh: self.mesh,
                 boundary: &self.boundary,
-                fluxes: self.fluxes.step(duration),
+                fluxes,
                 field: &self.velocity.field,
                 band: &self.band,
-                reconstruction: self.reconstruction,
-                overdraft: self.overdraft,
+                reconstruction: self.settings.reconstruction,
+                overdraft: self.settings.overdraft,
             };
             unsplit.advance(&step, fractions, &mut ledger)?;
             return Ok(ledger);
         }
-        // Along mesh lines a cell's content moves by one cell per axis; with Cartesian sweeps, each over all faces, by D.
-        let radius = if self.nodes.is_some() { D } else { 1 };
-        self.band.collect(self.mesh, fractions, &self.boundary, radius);
-        let motion = Motion {
-            mesh: self.mesh,
+        let turns = turns::<D>(self.settings.order, step);
+        let stages = stages(self.mesh, self.nodes.as_ref(), self.settings.scheme, &turns, duration);
+        let splits = self.settings.splits_displacement(self.mesh);
+        let rules = Rules {
+            grid: self.mesh.grid(),
             boundary: &self.boundary,
-            fluxes: self.fluxes.step(duration),
-            order: sweep_order(step),
-            nodes: self.nodes.as_ref(),
+            quanta: fluxes.quanta(),
+            reconstruction: self.settings.reconstruction,
+            overdraft: self.settings.overdraft,
+            holding: match self.settings.scheme {
+                Scheme::Sweeps | Scheme::Unsplit => Holding::Tracked,
+                Scheme::Isotropic => Holding::AtOnce,
+                Scheme::WeymouthYue => Holding::Fixed,
+            },
+            components: if splits { D } else { 1 },
         };
-        self.sweeps.begin(&motion, &self.band, fractions);
-        for axis in motion.order {
-            let sweep = Sweep {
-                motion: &motion,
-                axis,
-                reconstruction: self.reconstruction,
-                overdraft: self.overdraft,
-            };
-            if let Err(error) = self.sweeps.advance(&sweep, fractions, &mut ledger) {
-                self.sweeps.restore(fractions);
-                return Err(error);
+        let grid = self.mesh.grid();
+        let outward = |offset: [usize; D], outward: &mut [Outward]| match &self.nodes {
+            Some(nodes) if splits => {
+                let axes = std::array::from_fn(|i| turns[i].axis);
+                let parts: [[f64; D]; 6] = std::array::from_fn(|face| {
+                    if face < C::FACES {
+                        components(self.mesh, nodes, &fluxes, axes, offset, face)
+                    } else {
+                        [0.0; D]
+                    }
+                });
+                for (k, outward) in outward.iter_mut().enumerate() {
+                    *outward = outward_volumes::<C, D>(grid, &self.boundary, offset, |face| parts[face][k]);
+                }
             }
-        }
-        Ok(ledger)
+            _ => {
+                let through = fluxes.of_cell(offset);
+                outward[0] = outward_volumes::<C, D>(grid, &self.boundary, offset, |face| through[face]);
+            }
+        };
+        self.sweeps.run(&rules, &stages, &mut self.band, self.mesh.volumes(), fractions, outward)
     }
 }
 
-/// The axes in the order of a step's sweeps: all orders in turn, each followed by its reverse.
-pub(crate) fn sweep_order<const D: usize>(step: usize) -> [usize; D] {
-    let shift = step / 2 % D;
-    std::array::from_fn(|i| {
-        let i = if step.is_multiple_of(2) { i } else { D - 1 - i };
-        if D == 2 { i } else { (i + shift) % D }
-    })
+/// The sweeps of a step that lasts `duration`; `nodes` are there for regions that are traced back.
+fn stages<'a, C: Cell<D>, const D: usize>(
+    mesh: &'a Mesh<C, D>,
+    nodes: Option<&'a NodalMotion<D>>,
+    scheme: Scheme,
+    turns: &[Turn],
+    duration: f64,
+) -> Vec<Stage<'a, C, D>> {
+    let traced = |nodes, duration, axis| Regions::Traced { nodes, duration, axis };
+    match nodes {
+        None => turns.iter().map(|turn| Stage::along_mesh_lines(mesh, turn)).collect(),
+        Some(nodes) if scheme == Scheme::Isotropic => {
+            vec![Stage::over_all_faces(mesh, 0, Share::Whole, traced(nodes, duration, None))]
+        }
+        Some(nodes) => {
+            let along = |&Turn { axis, share }: &Turn| {
+                let duration = if share == Share::Whole { duration } else { 0.5 * duration };
+                Stage::over_all_faces(mesh, axis, share, traced(nodes, duration, Some(axis)))
+            };
+            turns.iter().map(along).collect()
+        }
+    }
 }

@@ -14,7 +14,7 @@ use vofkit_geometry::{Cell, Vector};
 use super::band::Band;
 use super::boundary::{Boundary, End};
 use super::content::{Held, Scratch, Source};
-use super::ledger::Ledger;
+use super::ledger::{LargestCorrection, Ledger};
 use super::nested::{Nested, RegionOf};
 use super::preimage::{TracedFace, Traces, preimage};
 use super::transport::StepError;
@@ -53,7 +53,7 @@ pub(super) struct Step<'a, C, const D: usize> {
     pub(super) boundary: &'a Boundary<D>,
     pub(super) fluxes: StepFluxes<'a, D>,
     pub(super) field: &'a Field,
-    pub(super) band: &'a Band,
+    pub(super) band: &'a Band<D>,
     pub(super) reconstruction: Reconstruction,
     /// Whether contents may be out of bounds where pre-images fold; they are then corrected.
     pub(super) overdraft: bool,
@@ -146,7 +146,7 @@ impl<const D: usize> Unsplit<D> {
         ledger: &mut Ledger,
     ) -> Result<(), StepError> {
         let Self { locator, nested, traces, findings, volumes, .. } = self;
-        let cells = step.band.cells();
+        let cells = &step.band.cells()[..];
         let band = cells.iter().map(|&cell| cell as usize);
         ledger.counts.add(&nested.place(step.mesh, fractions, band, step.reconstruction)?);
         traces.trace(step.mesh, step.field, step.fluxes.duration(), cells);
@@ -225,7 +225,7 @@ fn settle<C: Cell<D>, const D: usize>(
             account.clipped += (fraction - raw).abs() * volume;
             account.outflow += volumes[materials + k];
             f[cell] = fraction;
-            ledger.correct((fraction - raw).abs(), cell);
+            ledger.largest_correction.note(LargestCorrection { fraction: (fraction - raw).abs(), cell });
         }
         let sum: f64 = fractions.iter().map(|f| f[cell]).sum();
         if sum > 1.0 + FRACTION_ROUNDING {
@@ -233,7 +233,7 @@ fn settle<C: Cell<D>, const D: usize>(
                 let excess = f[cell] * (1.0 - 1.0 / sum);
                 f[cell] -= excess;
                 ledger.materials[k].rescaled += excess * volume;
-                ledger.correct(excess, cell);
+                ledger.largest_correction.note(LargestCorrection { fraction: excess, cell });
             }
         }
     }

@@ -26,7 +26,7 @@ pub fn report<C: Cell<D>, const D: usize>(scene: &Resolved<D>) -> Result<String,
         ("memory", format!("about {}", crate::run::megabytes(prepare::memory(scene)))),
         ("time steps", format!("{} of {:.6e}, to the time {:.6}", plan.steps, plan.dt(), plan.end)),
         ("Courant number", courant(&plan)),
-        ("boundary", boundary(setup.transport.boundary(), scene.boundary.periodic)),
+        ("boundary", boundary(&setup.boundary, scene.boundary.periodic)),
     ];
     let (mixed, cells) = (crate::run::mixed_cells(&fractions), mesh.grid().len());
     rows.push(("mixed cells", format!("{mixed} at the start; the other {} need no plane", cells - mixed)));
@@ -43,7 +43,7 @@ pub fn report<C: Cell<D>, const D: usize>(scene: &Resolved<D>) -> Result<String,
         rows.push(("note", note));
     }
     let comments: String = table::lines(&rows).lines().map(|line| format!("# {line}\n")).collect();
-    Ok(format!("{}\n{comments}", scene.to_toml(setup.transport.boundary(), &times)))
+    Ok(format!("{}\n{comments}", scene.to_toml(&setup.boundary, &times)))
 }
 
 fn courant(plan: &Plan) -> String {

@@ -10,13 +10,11 @@ pub mod locate;
 pub mod motion;
 pub mod swept;
 
-use std::marker::PhantomData;
-
 use vofkit_geometry::{Cell, Defect, Vector};
 
 pub use distortion::Distortion;
 pub use grid::Grid;
-pub use motion::{MeshMotion, MeshPath, MotionError};
+pub use motion::{MeshMotion, MeshPath, MotionError, MotionRates};
 pub use swept::SweptVolumes;
 
 use crate::parallel;
@@ -31,8 +29,15 @@ pub struct Mesh<C, const D: usize> {
     nodes: Vec<Vector<D>>,
     volumes: Vec<f64>,
     notices: Vec<CellDefect>,
-    undistorted: bool,
-    cell: PhantomData<C>,
+    /// Where all cells are boxes of one size.
+    boxes: Option<Boxes<C, D>>,
+}
+
+/// The cell of a mesh of equal boxes, with its first node at the origin, and its edges along the axes.
+#[derive(Clone, Copy, Debug)]
+struct Boxes<C, const D: usize> {
+    cell: C,
+    spacing: Vector<D>,
 }
 
 /// A defect of one cell of a mesh.
@@ -188,18 +193,13 @@ impl<C: Cell<D>, const D: usize> Mesh<C, D> {
         nodes: Vec<Vector<D>>,
         undistorted: bool,
     ) -> Result<Self, MeshError> {
-        let mut mesh = Self {
-            grid,
-            lower,
-            upper,
-            nodes,
-            volumes: Vec::new(),
-            notices: Vec::new(),
-            undistorted,
-            cell: PhantomData,
-        };
+        let boxes = undistorted.then(|| {
+            let spacing = Vector::from_fn(|axis, _| (upper[axis] - lower[axis]) / grid.cells()[axis] as f64);
+            let corner = |offset: [usize; D]| Vector::from_fn(|axis, _| spacing[axis] * offset[axis] as f64);
+            Boxes { cell: C::from_corners(corner), spacing }
+        });
+        let mut mesh = Self::unchecked(grid, lower, upper, nodes, boxes);
         let total = mesh.grid.len();
-        mesh.volumes = parallel::map(total, |index| mesh.local_cell(index).volume());
         let found: Vec<Vec<Defect>> = if undistorted {
             Vec::new()
         } else {
@@ -227,6 +227,27 @@ impl<C: Cell<D>, const D: usize> Mesh<C, D> {
         Ok(mesh)
     }
 
+    /// The same without any look at the cells.
+    fn unchecked(
+        grid: Grid<D>,
+        lower: Vector<D>,
+        upper: Vector<D>,
+        nodes: Vec<Vector<D>>,
+        boxes: Option<Boxes<C, D>>,
+    ) -> Self {
+        let mut mesh = Self { grid, lower, upper, nodes, volumes: Vec::new(), notices: Vec::new(), boxes };
+        mesh.volumes = match boxes {
+            Some(boxes) => vec![boxes.cell.volume(); mesh.grid.len()],
+            None => parallel::map(mesh.grid.len(), |index| mesh.local_cell(index).volume()),
+        };
+        mesh
+    }
+
+    /// The same cells with their nodes on the way between two places, where they need not be valid.
+    pub(crate) fn on_the_way(&self, nodes: Vec<Vector<D>>) -> Self {
+        Self::unchecked(self.grid.clone(), self.lower, self.upper, nodes, None)
+    }
+
     /// How cells, nodes and neighbours are counted.
     pub fn grid(&self) -> &Grid<D> {
         &self.grid
@@ -239,7 +260,12 @@ impl<C: Cell<D>, const D: usize> Mesh<C, D> {
 
     /// Whether every cell is a box of the same size.
     pub fn is_undistorted(&self) -> bool {
-        self.undistorted
+        self.boxes.is_some()
+    }
+
+    /// The edges of the cells along the axes, where all are boxes of one size.
+    pub fn spacing(&self) -> Option<Vector<D>> {
+        self.boxes.map(|boxes| boxes.spacing)
     }
 
     /// What is legal but odd about cells: collapsed edges, non-convex quadrilaterals.
@@ -269,6 +295,9 @@ impl<C: Cell<D>, const D: usize> Mesh<C, D> {
 
     /// The cell with its first node at the origin, so that no digits are lost to the place of the mesh.
     pub fn local_cell(&self, index: usize) -> C {
+        if let Some(boxes) = self.boxes {
+            return boxes.cell;
+        }
         let anchor = self.anchor(index);
         let at = self.grid.offset(index);
         C::from_corners(|offset| self.nodes[self.grid.node_index(add(at, offset))] - anchor)

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use vofkit_geometry::{Cell, Vector};
 
-use super::{Distortion, Grid, Mesh, MeshError, axis_name, box_nodes};
+use super::{Distortion, Grid, Mesh, MeshError, SweptVolumes, axis_name, box_nodes};
 use crate::shape::Rotation;
 use crate::tolerance::PERIODIC_MOTION;
 
@@ -107,6 +107,19 @@ pub enum MotionError {
     },
 }
 
+/// Samples of each part of a motion, in its middle and around it, where swings are fastest; and the size of the steps there.
+const RATE_SAMPLES: usize = 5;
+const RATE_STEP: f64 = 1e-3;
+
+/// How fast a mesh moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MotionRates {
+    /// The Courant number per progress.
+    pub courant: f64,
+    /// The difference between cell volumes and what the faces sweep, relative: rounding.
+    pub mismatch: f64,
+}
+
 /// The ways of the nodes of a mesh.
 #[derive(Clone, Debug)]
 pub struct MeshPath<C, const D: usize> {
@@ -202,6 +215,31 @@ impl<C: Cell<D>, const D: usize> MeshPath<C, D> {
     /// Cells that are not valid there, all of them.
     pub fn mesh(&self, progress: f64) -> Result<Mesh<C, D>, MotionError> {
         self.start.moved(self.nodes(progress)).map_err(|source| MotionError::Cells { progress, source })
+    }
+
+    /// The largest Courant number of small steps, per progress, and the largest [mismatch](SweptVolumes::mismatch) in them, from
+    /// samples of the motion.
+    ///
+    /// # Errors
+    /// Cells that are not valid at a sample.
+    pub fn rates(&self) -> Result<MotionRates, MotionError> {
+        let (parts, length) = match &self.way {
+            // All swings are alike.
+            Way::Swing { swings, .. } => (1, 1.0 / *swings as f64),
+            Way::Rotation { .. } => (1, 1.0),
+            Way::Through(sets) => (sets.len(), 1.0 / sets.len() as f64),
+        };
+        let mut rates = MotionRates::default();
+        for sample in 0..parts * RATE_SAMPLES {
+            let step = RATE_STEP * length;
+            let middle = (sample as f64 + 0.5) / RATE_SAMPLES as f64 * length;
+            let [from, to] = [middle - 0.5 * step, middle + 0.5 * step].map(|progress| self.mesh(progress));
+            let (from, to) = (from?, to?);
+            let swept = SweptVolumes::new(&from, &to)?;
+            rates.courant = rates.courant.max(swept.courant(&from) / step);
+            rates.mismatch = rates.mismatch.max(swept.mismatch(&from, &to));
+        }
+        Ok(rates)
     }
 
     /// Joined ends have to move alike.

@@ -84,15 +84,35 @@ impl<const D: usize> SweptVolumes<D> {
         self.quanta.round(volume)
     }
 
+    /// What the volumes are multiples of.
+    pub(crate) fn quanta(&self) -> Quanta {
+        self.quanta
+    }
+
     /// The Courant number: the largest volume that crosses a face, over that of the cell which it leaves.
     pub fn courant<C: Cell<D>>(&self, from: &Mesh<C, D>) -> f64 {
+        self.largest_over_cells(|index, outward| {
+            (0..2 * D).map(outward).fold(0.0, f64::max) / from.volumes()[index]
+        })
+    }
+
+    /// The largest difference between a cell's new volume and its old one less what crosses outward, relative to the new
+    /// one: rounding.
+    pub fn mismatch<C: Cell<D>>(&self, from: &Mesh<C, D>, to: &Mesh<C, D>) -> f64 {
+        self.largest_over_cells(|index, outward| {
+            let (old, new) = (from.volumes()[index], to.volumes()[index]);
+            (old - (0..2 * D).map(outward).sum::<f64>() - new).abs() / new
+        })
+    }
+
+    fn largest_over_cells(&self, amount: impl Fn(usize, &dyn Fn(usize) -> f64) -> f64 + Sync + Send) -> f64 {
         let of_cell = |index: usize| {
             let offset = self.grid.offset(index);
             let outward = |face: usize| {
                 let crossing = self.through(offset, face / 2, face % 2);
                 if face % 2 == 1 { crossing } else { -crossing }
             };
-            (0..C::FACES).map(outward).fold(0.0, f64::max) / from.volumes()[index]
+            amount(index, &outward)
         };
         parallel::map(self.grid.len(), of_cell).into_iter().fold(0.0, f64::max)
     }

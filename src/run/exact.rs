@@ -25,6 +25,11 @@ pub(super) fn fractions<C: Cell<D>, const D: usize>(
     if is_fed(scene, setup) {
         return None;
     }
+    if scene.mesh.motion.is_some() {
+        // The material rests; what lay beyond the mesh at the start is not known.
+        let shapes: Vec<Shape<D>> = scene.materials.iter().map(|material| material.shape.clone()).collect();
+        return (!crossed).then(|| volume_fractions(mesh, &shapes));
+    }
     let motion = setup.velocity.rigid_motion(0.0, setup.plan.end)?;
     let is_translation = matches!(motion, RigidMotion::Translation { .. });
     if crossed && !(is_translation && scene.reversal == ReversalSetup::None) {
@@ -51,7 +56,7 @@ pub(super) fn fractions<C: Cell<D>, const D: usize>(
 
 /// Whether a material may have come in: its amount is no measure, for as much may have left elsewhere.
 fn is_fed<C: Cell<D>, const D: usize>(scene: &Resolved<D>, setup: &Setup<'_, C, D>) -> bool {
-    let (ends, periodic) = (setup.transport.boundary().ends, scene.boundary.periodic);
+    let (ends, periodic) = (setup.boundary.ends, scene.boundary.periodic);
     let is_open = (0..D).any(|axis| !periodic[axis] && ends[axis].contains(&End::Outflow));
     scene.boundary.inflow.is_some() && is_open && setup.plan.courant > 0.0
 }

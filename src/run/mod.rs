@@ -94,7 +94,7 @@ fn prepared<C: Draw<D>, const D: usize>(
     progress.stage("fluxes");
     let setup = prepare::setup(scene, &mesh)?;
     let folder = Folder::open(&options.folder, options.force)?;
-    let run = Run { scene, mesh: &mesh, setup, folder: folder.path(), threads: options.threads, clock };
+    let run = Run { scene, setup, folder: folder.path(), threads: options.threads, clock };
     let done = run.go(fractions, progress);
     if done.is_err() {
         folder.remove_if_empty();
@@ -105,7 +105,6 @@ fn prepared<C: Draw<D>, const D: usize>(
 /// A run whose folder is there.
 struct Run<'a, C, const D: usize> {
     scene: &'a Resolved<D>,
-    mesh: &'a Mesh<C, D>,
     setup: Setup<'a, C, D>,
     folder: &'a Path,
     threads: usize,
@@ -114,14 +113,14 @@ struct Run<'a, C, const D: usize> {
 
 impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
     fn go(mut self, mut fractions: Vec<Vec<f64>>, progress: &mut dyn Progress) -> Result<Summary, RunError> {
-        let (scene, mesh, plan) = (self.scene, self.mesh, self.setup.plan);
+        let (scene, plan) = (self.scene, self.setup.plan);
         let schedule = Schedule::new(&scene.output, &plan);
-        let mut tally = Tally::new(mesh, &fractions);
+        let mut tally = Tally::new(self.setup.mover.mesh(), &fractions);
         let mut history = match scene.output.history {
             true => Some(History::create(self.folder, &scene.material_names(), &tally.first_line())?),
             false => None,
         };
-        let mut output = Output::new(scene, mesh, self.setup.velocity, self.folder.to_owned());
+        let mut output = Output::new(scene, self.setup.velocity, self.folder.to_owned());
         if let Err(error) = self.write(&mut output, &schedule, 0, &fractions) {
             output.discard();
             return Err(error);
@@ -143,7 +142,13 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
             tally.add(&fractions, &ledger, substeps);
             if let Some(history) = &mut history {
                 let courant = rate * self.setup.velocity.duration(start, end).abs();
-                history.add(&tally.line(mesh, &fractions, &ledger, [start, end], courant))?;
+                history.add(&tally.line(
+                    self.setup.mover.mesh(),
+                    &fractions,
+                    &ledger,
+                    [start, end],
+                    courant,
+                ))?;
             }
             progress.step(step + 1, end, tally.mixed_cells());
             if step + 1 < plan.steps {
@@ -157,6 +162,7 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
             output.files.push(HISTORY.to_owned());
         }
         output.files.push(SUMMARY.to_owned());
+        let mesh = self.setup.mover.mesh();
         let exact = exact::fractions(scene, mesh, &self.setup, tally.crossed());
         let mut summary = tally.summary(scene, &self.setup, mesh, &fractions, exact.as_deref());
         summary.facet_gap_mean = facet_gap_mean(mesh, &facets);
@@ -183,6 +189,7 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
         substeps: &mut usize,
     ) -> Result<Ledger, RunError> {
         let splits = self.scene.advection.substeps == Substeps::Auto;
+        let run_end = self.setup.plan.end;
         let mut ledger = Ledger::new(fractions.len());
         let mut part = 0;
         while part < *substeps {
@@ -190,7 +197,8 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
             let time = |part: usize| {
                 if part == count { end } else { start + (end - start) * (part as f64 / count as f64) }
             };
-            match self.setup.transport.step(fractions, step * count + part, time(part), time(part + 1)) {
+            match self.setup.mover.step(fractions, step * count + part, [time(part), time(part + 1)], run_end)
+            {
                 Ok(of_part) => {
                     ledger.add(&of_part);
                     part += 1;
@@ -213,25 +221,27 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
     /// Writes what is asked for after a number of steps; returns the facets, which are always there at the end.
     fn write(
         &self,
-        output: &mut Output<'_, C, D>,
+        output: &mut Output<'_, D>,
         schedule: &Schedule,
         step: usize,
         fractions: &[Vec<f64>],
     ) -> Result<Vec<Facet<D>>, RunError> {
+        let mesh = self.setup.mover.mesh();
         let last = step == self.setup.plan.steps;
         let time = self.setup.plan.time(step);
         let state = schedule.includes(step);
         let picture = self.scene.output.picture && (step == 0 || last);
         let facets = if last || picture || state && output.needs_facets() {
-            reconstruct(self.mesh, fractions, self.scene.reconstruction)?.facets
+            reconstruct(mesh, fractions, self.scene.reconstruction)?.facets
         } else {
             Vec::new()
         };
         if state {
-            output.state(time, fractions, &facets)?;
+            output.state(mesh, time, fractions, &facets)?;
         }
         if picture {
-            output.picture(if last { output::LAST } else { output::FIRST }, time, fractions, &facets)?;
+            let when = if last { output::LAST } else { output::FIRST };
+            output.picture(when, mesh, time, fractions, &facets)?;
         }
         Ok(facets)
     }

@@ -86,13 +86,12 @@ pub(super) fn picture_file(when: &str) -> String {
 }
 
 /// Writes the state of a run.
-pub(super) struct Output<'a, C, const D: usize> {
+pub(super) struct Output<'a, const D: usize> {
     scene: &'a Resolved<D>,
-    mesh: &'a Mesh<C, D>,
     names: Vec<String>,
     folder: PathBuf,
     #[cfg(feature = "vtk")]
-    series: Series<'a, C, D>,
+    series: Series<'a, D>,
     written: usize,
     /// The names of the files.
     pub(super) files: Vec<String>,
@@ -100,20 +99,14 @@ pub(super) struct Output<'a, C, const D: usize> {
     pub(super) obj_scale: Option<f64>,
 }
 
-impl<'a, C: Draw<D>, const D: usize> Output<'a, C, D> {
+impl<'a, const D: usize> Output<'a, D> {
     #[cfg_attr(not(feature = "vtk"), expect(unused_variables, reason = "only fields show the velocity"))]
-    pub(super) fn new(
-        scene: &'a Resolved<D>,
-        mesh: &'a Mesh<C, D>,
-        velocity: Velocity,
-        folder: PathBuf,
-    ) -> Self {
+    pub(super) fn new(scene: &'a Resolved<D>, velocity: Velocity, folder: PathBuf) -> Self {
         Self {
             scene,
-            mesh,
             names: scene.material_names(),
             #[cfg(feature = "vtk")]
-            series: Series::new(scene, mesh, velocity, &folder),
+            series: Series::new(scene, velocity, &folder),
             folder,
             written: 0,
             files: Vec::new(),
@@ -127,8 +120,9 @@ impl<'a, C: Draw<D>, const D: usize> Output<'a, C, D> {
     }
 
     /// The state at one of the times asked for.
-    pub(super) fn state(
+    pub(super) fn state<C: Draw<D>>(
         &mut self,
+        mesh: &Mesh<C, D>,
         time: f64,
         fractions: &[Vec<f64>],
         facets: &[Facet<D>],
@@ -137,7 +131,7 @@ impl<'a, C: Draw<D>, const D: usize> Output<'a, C, D> {
         self.written += 1;
         #[cfg(feature = "obj")]
         if self.scene.output.obj {
-            let smallest = self.mesh.volumes().iter().fold(f64::INFINITY, |a, &b| a.min(b));
+            let smallest = mesh.volumes().iter().fold(f64::INFINITY, |a, &b| a.min(b));
             let size = smallest.powf(1.0 / D as f64);
             let name = state_file("interface", number, "obj");
             let path = self.folder.join(&name);
@@ -146,9 +140,9 @@ impl<'a, C: Draw<D>, const D: usize> Output<'a, C, D> {
             self.files.push(name);
         }
         #[cfg(feature = "vtk")]
-        self.series.add(number, time, fractions, facets, &mut self.files)?;
+        self.series.add(mesh, number, time, fractions, facets, &mut self.files)?;
         #[cfg(not(all(feature = "obj", feature = "vtk")))]
-        let _ = (number, time, fractions, facets);
+        let _ = (mesh, number, time, fractions, facets);
         Ok(())
     }
 
@@ -161,16 +155,17 @@ impl<'a, C: Draw<D>, const D: usize> Output<'a, C, D> {
     }
 
     /// A picture with `when` in its name.
-    pub(super) fn picture(
+    pub(super) fn picture<C: Draw<D>>(
         &mut self,
         when: &str,
+        mesh: &Mesh<C, D>,
         time: f64,
         fractions: &[Vec<f64>],
         facets: &[Facet<D>],
     ) -> Result<(), ExportError> {
         let name = picture_file(when);
         let title = format!("{}, t = {}", self.scene.name, rounded(time));
-        let view = View { mesh: self.mesh, names: &self.names, fractions, facets, title: &title };
+        let view = View { mesh, names: &self.names, fractions, facets, title: &title };
         if C::draw(&self.folder.join(&name), &view)? {
             self.files.push(name);
         }

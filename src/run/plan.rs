@@ -3,9 +3,6 @@
 use crate::scene::{Part, Resolved, ReversalSetup, SceneError, Stepping, Substeps};
 use crate::velocity::Reversal;
 
-/// The largest Courant number: a cell cannot give more than it holds.
-pub const COURANT_LIMIT: f64 = 1.0;
-
 /// Rounding of a Courant number or of a number of steps, relative.
 const ROUNDING: f64 = 1e-9;
 
@@ -36,18 +33,18 @@ impl Plan {
         let (steps, end) = steps(scene, rate)?;
         let courant = rate * end / steps as f64;
         let mut plan = Self { steps, end, courant, substeps: 1, overdraft: false };
-        if courant > COURANT_LIMIT * (1.0 + ROUNDING) {
+        let scheme = scene.advection.scheme;
+        let limit = scheme.courant_limit(D);
+        if courant > limit * (1.0 + ROUNDING) {
             match scene.advection.substeps {
                 Substeps::Off => plan.overdraft = true,
-                Substeps::Auto => {
-                    plan.substeps = (courant / COURANT_LIMIT * (1.0 - ROUNDING)).ceil() as usize
-                }
+                Substeps::Auto => plan.substeps = (courant / limit * (1.0 - ROUNDING)).ceil() as usize,
                 Substeps::Error => {
                     return Err(scene.error(
                         Part::Courant,
                         format!(
-                            "the Courant number {courant:.4} is above {COURANT_LIMIT}, the limit of the scheme `{}`",
-                            scene.advection.scheme
+                            "the Courant number {courant:.4} is above {limit}, the limit of the scheme `{}`",
+                            scheme
                         ),
                         "lower advection.courant or take more steps; advection.substeps = \"auto\" splits the steps, \
                          \"off\" runs anyway",

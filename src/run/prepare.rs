@@ -4,14 +4,16 @@ use vofkit_geometry::{Cell, Vector};
 
 use super::memory;
 use super::plan::Plan;
-use crate::advection::{Scheme, Settings, SweepAxes, Transport};
+use crate::advection::{
+    Boundary, Ledger, Remesh, Scheme, Settings, SetupError, StepError, SweepAxes, Transport,
+};
 use crate::fractions::volume_fractions;
-use crate::mesh::{Grid, Mesh, MeshError, axis_name};
+use crate::mesh::{Grid, Mesh, MeshError, MeshMotion, MeshPath, MotionError, MotionRates, axis_name};
 use crate::metrics::material_volume;
-use crate::scene::{Part, Resolved, SceneError};
+use crate::scene::{Part, Resolved, SceneError, Stepping};
 use crate::shape::Shape;
 use crate::space::spatial;
-use crate::velocity::{FaceFluxes, Velocity};
+use crate::velocity::{FaceFluxes, Reversal, Velocity};
 
 /// Unusable cells that an error names; the others are in its details.
 const NAMED_CELLS: usize = 10;
@@ -19,13 +21,34 @@ const NAMED_CELLS: usize = 10;
 /// Velocities at joined ends may differ by this much, relative to the largest: rounding of the fields.
 const PERIODIC_DIFFERENCE: f64 = 1e-9;
 
+/// What moves the materials, or the mesh under them.
+#[derive(Debug)]
+pub enum Mover<'a, C, const D: usize> {
+    /// The mesh stands still.
+    Flow(Box<Transport<'a, C, D>>),
+    /// The materials rest.
+    Remesh {
+        /// Takes the fractions from one place of the mesh to the next.
+        remesh: Box<Remesh<D>>,
+        /// The way of the mesh.
+        path: MeshPath<C, D>,
+        /// Where it is.
+        at: Mesh<C, D>,
+    },
+}
+
 /// The moving part of a run.
 #[derive(Debug)]
 pub struct Setup<'a, C, const D: usize> {
     /// Moves the materials.
-    pub transport: Transport<'a, C, D>,
+    pub mover: Mover<'a, C, D>,
     /// The velocity with its change in time.
     pub velocity: Velocity,
+    /// What happens at the ends of the axes.
+    pub boundary: Boundary<D>,
+    /// The largest sum of what leaves a cell in a step, relative to its volume; where the mesh moves, of that sum and the change
+    /// of the cell's volume.
+    pub divergence: f64,
     /// The time steps.
     pub plan: Plan,
 }
@@ -99,31 +122,112 @@ pub fn setup<'a, C: Cell<D>, const D: usize>(
     scene: &Resolved<D>,
     mesh: &'a Mesh<C, D>,
 ) -> Result<Setup<'a, C, D>, SceneError> {
+    if let Some(motion) = &scene.mesh.motion {
+        return moving(scene, mesh, motion);
+    }
     check_periodic(scene, mesh)?;
-    let fluxes = FaceFluxes::new(mesh, &scene.field).map_err(|range| {
-        scene.error(Part::Field, range.to_string(), "choose other units of length or time")
-    })?;
+    let fluxes = FaceFluxes::new(mesh, &scene.field)
+        .map_err(|range| setup_error(scene, &SetupError::Fluxes(range)))?;
     let plan = Plan::new(scene, fluxes.courant_rate(mesh))?;
     let velocity = Velocity { field: scene.field, reversal: plan.reversal(scene.reversal) };
-    let settings = Settings {
+    let transport = Transport::with_fluxes(mesh, velocity, fluxes, settings(scene, &plan))
+        .map_err(|error| setup_error(scene, &error))?;
+    let (boundary, divergence) =
+        (*transport.boundary(), transport.fluxes().largest_divergence(mesh, plan.dt()));
+    Ok(Setup { mover: Mover::Flow(Box::new(transport)), velocity, boundary, divergence, plan })
+}
+
+/// The same for a mesh that moves.
+fn moving<'a, C: Cell<D>, const D: usize>(
+    scene: &Resolved<D>,
+    mesh: &Mesh<C, D>,
+    motion: &MeshMotion<D>,
+) -> Result<Setup<'a, C, D>, SceneError> {
+    let wrong = |error: MotionError| {
+        let help = "change mesh.motion, or lower its amplitude or angle";
+        scene.error(Part::Motion, error.to_string(), help)
+    };
+    let path = MeshPath::new(mesh.clone(), motion.clone()).map_err(wrong)?;
+    let MotionRates { courant, mismatch } = path.rates().map_err(wrong)?;
+    let end = match scene.advection.stepping {
+        Stepping::StepsToTime { end_time, .. } | Stepping::CourantToTime { end_time, .. } => end_time,
+        Stepping::CourantForSteps { .. } => 1.0,
+    };
+    let plan = Plan::new(scene, courant / end)?;
+    let remesh = Remesh::new(settings(scene, &plan)).map_err(|error| setup_error(scene, &error))?;
+    let first = path.mesh(plan.dt() / plan.end).map_err(wrong)?;
+    let boundary = remesh.boundary(mesh, &first).map_err(|error| {
+        scene.error(
+            Part::Motion,
+            error.to_string(),
+            "leave out that end in [boundary], or make it \"outflow\"",
+        )
+    })?;
+    let velocity = Velocity { field: scene.field, reversal: Reversal::None };
+    let mover = Mover::Remesh { remesh: Box::new(remesh), at: mesh.clone(), path };
+    Ok(Setup { mover, velocity, boundary, divergence: mismatch, plan })
+}
+
+impl<C: Cell<D>, const D: usize> Mover<'_, C, D> {
+    /// The mesh as it is now.
+    pub fn mesh(&self) -> &Mesh<C, D> {
+        match self {
+            Self::Flow(transport) => transport.mesh(),
+            Self::Remesh { at, .. } => at,
+        }
+    }
+
+    /// Advances the fractions over a part of a run that ends at `run_end`. `step` counts the steps and their parts.
+    ///
+    /// # Errors
+    /// A step that cannot be done; the fractions, and the mesh, are then as before.
+    pub fn step(
+        &mut self,
+        fractions: &mut [Vec<f64>],
+        step: usize,
+        [start, end]: [f64; 2],
+        run_end: f64,
+    ) -> Result<Ledger, StepError> {
+        match self {
+            Self::Flow(transport) => transport.step(fractions, step, start, end),
+            Self::Remesh { remesh, path, at } => {
+                let to = path.mesh(end / run_end)?;
+                let ledger = remesh.step(at, &to, fractions, step)?;
+                *at = to;
+                Ok(ledger)
+            }
+        }
+    }
+}
+
+fn settings<const D: usize>(scene: &Resolved<D>, plan: &Plan) -> Settings<D> {
+    Settings {
         ends: scene.boundary.ends,
         inflow: scene.boundary.inflow,
         reconstruction: scene.reconstruction,
         scheme: scene.advection.scheme,
         axes: scene.advection.sweep_axes,
+        order: scene.advection.sweep_order,
         overdraft: plan.overdraft,
-    };
-    let transport = Transport::with_fluxes(mesh, velocity, fluxes, settings).map_err(|crossed| {
-        scene.error(
+    }
+}
+
+fn setup_error<const D: usize>(scene: &Resolved<D>, error: &SetupError) -> SceneError {
+    let (part, help) = match error {
+        SetupError::Wall(crossed) => (
             Part::Boundary(crossed.axis),
-            crossed.to_string(),
             format!(
                 "make that end of boundary.{} \"outflow\", or change the velocity",
                 axis_name(crossed.axis)
             ),
-        )
-    })?;
-    Ok(Setup { transport, velocity, plan })
+        ),
+        SetupError::Fluxes(_) => (Part::Field, "choose other units of length or time".to_owned()),
+        SetupError::Moving { .. } => (Part::Scheme, "use the scheme sweeps in the mode remesh".to_owned()),
+        SetupError::Distorted { .. } => {
+            (Part::Scheme, "use the scheme sweeps, or leave out mesh.distortion".to_owned())
+        }
+    };
+    scene.error(part, error.to_string(), help)
 }
 
 /// Ends can be joined only where the velocity is the same at both.
@@ -161,15 +265,21 @@ fn check_periodic<C: Cell<D>, const D: usize>(
 
 /// About how many bytes of memory a run of the scene takes.
 pub fn memory<const D: usize>(scene: &Resolved<D>) -> u64 {
-    let distorted = !scene.mesh.distortion.is_none();
+    let moves = scene.mesh.motion.is_some();
+    let distorted = moves || !scene.mesh.distortion.is_none();
     let number = size_of::<f64>() as u64;
     let [dimension, materials] = [D, scene.materials.len()].map(|count| count as u64);
     // Nodes, volumes, potentials on edges, fractions, which are there twice at times, and passing values.
     let mut values = dimension + 1 + (2 * dimension - 3) + 2 * materials + 2;
+    if moves {
+        // The mesh at the start, now, next and after all sweeps but the last, and what faces sweep.
+        values += (3 + dimension) * (dimension + 1) + dimension * dimension;
+    }
     if distorted {
         // Lists of defects.
         values += 3;
-        if scene.advection.sweep_axes == SweepAxes::Cartesian {
+        let advection = &scene.advection;
+        if advection.sweep_axes == SweepAxes::Cartesian || advection.scheme == Scheme::Isotropic {
             values += 2 * dimension;
         }
     }

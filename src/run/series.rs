@@ -15,29 +15,24 @@ use crate::space::spatial;
 use crate::velocity::Velocity;
 
 /// The VTK files of a run.
-pub(super) struct Series<'a, C, const D: usize> {
+pub(super) struct Series<'a, const D: usize> {
     scene: &'a Resolved<D>,
-    mesh: &'a Mesh<C, D>,
     velocity: Velocity,
     folder: PathBuf,
     collection: Collection,
     names: Vec<String>,
 }
 
-impl<'a, C: Cell<D>, const D: usize> Series<'a, C, D> {
-    pub(super) fn new(
-        scene: &'a Resolved<D>,
-        mesh: &'a Mesh<C, D>,
-        velocity: Velocity,
-        folder: &Path,
-    ) -> Self {
+impl<'a, const D: usize> Series<'a, D> {
+    pub(super) fn new(scene: &'a Resolved<D>, velocity: Velocity, folder: &Path) -> Self {
         let collection = Collection::new(folder.join(series_file(&scene.name)));
-        Self { scene, mesh, velocity, folder: folder.to_owned(), collection, names: scene.material_names() }
+        Self { scene, velocity, folder: folder.to_owned(), collection, names: scene.material_names() }
     }
 
     /// Writes the state number `number`, as far as the scene asks for it, and adds the names of the files.
-    pub(super) fn add(
+    pub(super) fn add<C: Cell<D>>(
         &mut self,
+        mesh: &Mesh<C, D>,
         number: usize,
         time: f64,
         fractions: &[Vec<f64>],
@@ -46,11 +41,11 @@ impl<'a, C: Cell<D>, const D: usize> Series<'a, C, D> {
     ) -> Result<(), ExportError> {
         let mut parts = Vec::new();
         if self.scene.output.fields {
-            let velocities = self.cell_velocities(time);
+            let velocities = self.cell_velocities(mesh, time);
             let mut arrays = fraction_arrays(&self.names, fractions);
             arrays.push(CellArray::vector("U", &velocities));
             let name = state_file("fields", number, "vts");
-            write_structured_grid(self.folder.join(&name), self.mesh, &arrays)?;
+            write_structured_grid(self.folder.join(&name), mesh, &arrays)?;
             files.push(name.clone());
             parts.push(("fields", self.folder.join(name)));
         }
@@ -72,10 +67,10 @@ impl<'a, C: Cell<D>, const D: usize> Series<'a, C, D> {
     }
 
     /// Velocities in the middle of all cells at one time.
-    fn cell_velocities(&self, time: f64) -> Vec<Vector<D>> {
+    fn cell_velocities<C: Cell<D>>(&self, mesh: &Mesh<C, D>, time: f64) -> Vec<Vector<D>> {
         let amplitude = self.velocity.amplitude(time);
-        parallel::map(self.mesh.grid().len(), |index| {
-            let middle = self.mesh.cell(index).map(&Vector::repeat(0.5));
+        parallel::map(mesh.grid().len(), |index| {
+            let middle = mesh.cell(index).map(&Vector::repeat(0.5));
             let velocity = self.velocity.field.velocity(&spatial(&middle)) * amplitude;
             Vector::from_fn(|k, _| velocity[k])
         })

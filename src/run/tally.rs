@@ -114,10 +114,11 @@ impl Tally {
     ) -> Summary {
         let (counts, plan) = (&self.ledger.counts, &setup.plan);
         let planes = counts.mixed - counts.no_normal();
-        let cartesian = scene.advection.sweep_axes == SweepAxes::Cartesian && !mesh.is_undistorted();
+        let over_all_faces = scene.advection.scheme == Scheme::Isotropic
+            || scene.advection.sweep_axes == SweepAxes::Cartesian && !mesh.is_undistorted();
         let rounds = self.ledger.sweeps * fractions.len();
         // Along mesh lines a sweep deals with the faces of one direction.
-        let faces = face_count(mesh) * rounds / if cartesian { 1 } else { D };
+        let faces = face_count(mesh) * rounds / if over_all_faces { 1 } else { D };
         let cuts = match scene.advection.scheme {
             Scheme::Unsplit => {
                 Share::without(self.ledger.preimages_cut, mesh.grid().len() * self.ledger.sweeps)
@@ -134,7 +135,7 @@ impl Tally {
             end_time: plan.end,
             dt: plan.dt(),
             max_courant: plan.courant,
-            max_divergence: setup.transport.fluxes().largest_divergence(mesh, plan.dt()),
+            max_divergence: setup.divergence,
             substeps: self.substeps,
             mixed_cells_mean: self.mixed_sum as f64 / self.steps.max(1) as f64,
             cells_reconstructed: planes,

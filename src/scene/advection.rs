@@ -8,7 +8,7 @@ use vofkit_geometry::PositionMethod;
 
 use super::context::{Context, default};
 use super::error::SceneError;
-use crate::advection::{Scheme, SweepAxes};
+use crate::advection::{Scheme, SweepAxes, SweepOrder};
 use crate::interface::Reconstruction;
 use crate::normal::NormalMethod;
 
@@ -48,12 +48,13 @@ impl ReconstructionSection {
 #[serde(
     deny_unknown_fields,
     default,
-    expecting = "a table with mode, scheme, sweep_axes, substeps, courant, end_time, steps"
+    expecting = "a table with mode, scheme, sweep_axes, sweep_order, substeps, courant, end_time, steps"
 )]
 pub(super) struct AdvectionSection {
     mode: Spanned<String>,
     scheme: Spanned<String>,
     sweep_axes: Spanned<String>,
+    sweep_order: Spanned<String>,
     substeps: Spanned<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     courant: Option<Spanned<f64>>,
@@ -73,6 +74,7 @@ impl Default for AdvectionSection {
             mode: word("flow"),
             scheme: word("sweeps"),
             sweep_axes: word("logical"),
+            sweep_order: word("alternating"),
             substeps: word("error"),
             courant: None,
             end_time: None,
@@ -119,13 +121,26 @@ pub enum Stepping {
     },
 }
 
+/// What moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// The materials; the mesh stands still.
+    Flow,
+    /// The mesh; the materials rest.
+    Remesh,
+}
+
 /// How the materials are moved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AdvectionSetup {
-    /// How materials are advected.
+    /// What moves.
+    pub mode: Mode,
+    /// How the volumes are moved.
     pub scheme: Scheme,
     /// The directions of the sweeps.
     pub sweep_axes: SweepAxes,
+    /// Their order.
+    pub sweep_order: SweepOrder,
     /// What happens above the limit of the scheme.
     pub substeps: Substeps,
     /// The time steps.
@@ -134,14 +149,22 @@ pub struct AdvectionSetup {
 
 impl AdvectionSection {
     pub(super) fn resolve(&mut self, context: Context<'_>) -> Result<AdvectionSetup, SceneError> {
-        context.word("the mode", &self.mode, &[("flow", ())], &["remesh"])?;
-        let schemes = [("sweeps", Scheme::Sweeps), ("unsplit", Scheme::Unsplit)];
-        let later = ["isotropic", "weymouth_yue", "remap"];
+        let modes = [("flow", Mode::Flow), ("remesh", Mode::Remesh)];
+        let mode = context.word("the mode", &self.mode, &modes, &[])?;
+        if mode == Mode::Remesh {
+            // The motion is given from its start to its end, which need have no time.
+            self.end_time.get_or_insert(default(1.0));
+        }
+        let schemes =
+            [Scheme::Sweeps, Scheme::Isotropic, Scheme::WeymouthYue, Scheme::Unsplit].map(|s| (s.name(), s));
+        let orders = [("alternating", SweepOrder::Alternating), ("symmetric", SweepOrder::Symmetric)];
         let axes = [("logical", SweepAxes::Logical), ("cartesian", SweepAxes::Cartesian)];
         let substeps = [("error", Substeps::Error), ("auto", Substeps::Auto), ("off", Substeps::Off)];
         Ok(AdvectionSetup {
-            scheme: context.word("the scheme", &self.scheme, &schemes, &later)?,
+            mode,
+            scheme: context.word("the scheme", &self.scheme, &schemes, &["remap"])?,
             sweep_axes: context.word("sweep_axes", &self.sweep_axes, &axes, &[])?,
+            sweep_order: context.word("sweep_order", &self.sweep_order, &orders, &[])?,
             substeps: context.word("substeps", &self.substeps, &substeps, &[])?,
             stepping: self.stepping(context)?,
         })
@@ -192,6 +215,16 @@ impl AdvectionSection {
     /// The place of what fixes the size of a step: the Courant number if it is given.
     pub(super) fn courant_place(&self) -> Range<usize> {
         self.courant.as_ref().map_or_else(|| self.steps_place(), Spanned::span)
+    }
+
+    /// The place of the mode.
+    pub(super) fn mode_place(&self) -> Range<usize> {
+        self.mode.span()
+    }
+
+    /// The place of the scheme.
+    pub(super) fn scheme_place(&self) -> Range<usize> {
+        self.scheme.span()
     }
 
     /// The place of the number of steps, or of the end.

@@ -38,6 +38,11 @@ impl Source {
         Self { original: Some(self.code.clone()), ..Self::new(name, text) }
     }
 
+    /// The name of the file.
+    pub(super) fn file(&self) -> &str {
+        self.original.as_ref().unwrap_or(&self.code).name()
+    }
+
     /// The whole text.
     pub fn text(&self) -> &str {
         self.code.inner()

@@ -6,13 +6,14 @@ use vofkit_geometry::Vector;
 
 use super::context::{Context, Numbers, default};
 use super::error::SceneError;
-use crate::mesh::{Distortion, axis_name};
+use super::motion::{self, MotionChoice};
+use crate::mesh::{Distortion, MeshMotion, axis_name};
 
 /// More cells than this would need more memory than machines have.
 const MOST_CELLS: usize = 1_000_000_000;
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, expecting = "a table with cells, lower, upper, distortion")]
+#[serde(deny_unknown_fields, expecting = "a table with cells, lower, upper, distortion, motion")]
 pub(super) struct MeshSection {
     /// Cells per direction; their number, 2 or 3, is the number of dimensions.
     pub(super) cells: Spanned<Vec<i64>>,
@@ -24,6 +25,9 @@ pub(super) struct MeshSection {
     pub(super) upper: Option<Numbers>,
     #[serde(default = "no_distortion")]
     pub(super) distortion: Spanned<DistortionChoice>,
+    /// How the mesh moves, in mode "remesh".
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) motion: Option<Spanned<MotionChoice>>,
 }
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -58,6 +62,8 @@ pub struct MeshSetup<const D: usize> {
     pub upper: Vector<D>,
     /// How nodes are moved.
     pub distortion: Distortion,
+    /// How they move over the run; none for a mesh that stands still.
+    pub motion: Option<MeshMotion<D>>,
 }
 
 impl MeshSection {
@@ -101,7 +107,9 @@ impl MeshSection {
             DistortionChoice::Wave { amplitude } => Distortion::Wave { amplitude },
             DistortionChoice::Twist { angle } => Distortion::Twist { angle },
         };
-        Ok(MeshSetup { cells: self.counts(context)?, lower, upper: corner, distortion })
+        let cells = self.counts(context)?;
+        let motion = self.motion.as_ref().map(|motion| motion::resolve(motion, context)).transpose()?;
+        Ok(MeshSetup { cells, lower, upper: corner, distortion, motion })
     }
 
     fn counts<const D: usize>(&self, context: Context<'_>) -> Result<[usize; D], SceneError> {

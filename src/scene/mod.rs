@@ -1,7 +1,7 @@
 //! Scene files: what to run, in TOML, read into typed sections and resolved to the types of the toolkit.
 //!
 //! - `read`: the text of the file; `overrides`: values set on the command line;
-//! - `mesh`, `shape`, `velocity`, `boundary`, `advection`, `output`: one section each, as it is written and what it means;
+//! - `mesh`, `motion`, `shape`, `velocity`, `boundary`, `advection`, `output`: one section each, as it is written and what it means;
 //! - `error`: what is wrong, with the place in the file; `wording`: names, and what the reader of TOML says;
 //! - this file: the whole scene.
 //!
@@ -12,6 +12,7 @@ mod boundary;
 mod context;
 mod error;
 mod mesh;
+mod motion;
 mod output;
 mod overrides;
 mod read;
@@ -24,8 +25,9 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
+use vofkit_geometry::Vector;
 
-pub use advection::{AdvectionSetup, Stepping, Substeps};
+pub use advection::{AdvectionSetup, Mode, Stepping, Substeps};
 pub use boundary::BoundarySetup;
 pub use error::{SceneError, Source};
 pub use mesh::MeshSetup;
@@ -61,7 +63,7 @@ pub struct Resolved<const D: usize> {
     pub mesh: MeshSetup<D>,
     /// The materials, the first one on top.
     pub materials: Vec<MaterialSetup<D>>,
-    /// The velocity at full amplitude.
+    /// The velocity of the material at full amplitude; zero where the mesh moves and the material rests.
     pub field: Field,
     /// How it changes in time.
     pub reversal: ReversalSetup,
@@ -95,7 +97,8 @@ struct SceneFile {
     name: Option<Spanned<String>>,
     mesh: Spanned<mesh::MeshSection>,
     material: Spanned<Vec<MaterialSection>>,
-    velocity: velocity::VelocitySection,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    velocity: Option<velocity::VelocitySection>,
     #[serde(default)]
     boundary: boundary::BoundarySection,
     #[serde(default)]
@@ -126,12 +129,16 @@ pub(crate) enum Part {
     Mesh,
     /// The distortion of the mesh.
     Distortion,
+    /// Its motion.
+    Motion,
     /// The shape of a material.
     Shape(usize),
     /// The velocity field.
     Field,
     /// The ends of an axis.
     Boundary(usize),
+    /// The scheme.
+    Scheme,
     /// The Courant number, or what fixes it.
     Courant,
     /// The number of steps, or the end.
@@ -179,17 +186,47 @@ impl Scene {
     }
 }
 
+impl SceneFile {
+    /// In each mode something else moves, and only that.
+    fn check_mode(&self, mode: Mode, context: Context<'_>) -> Result<(), SceneError> {
+        let place = self.advection.get_ref().mode_place();
+        match (mode, &self.velocity, &self.mesh.get_ref().motion) {
+            (Mode::Flow, None, _) => Err(context.error(0..0, "missing key `velocity`", TEMPLATE_HELP)),
+            (Mode::Flow, Some(_), Some(motion)) => Err(context.error(
+                motion.span(),
+                "the mesh moves, but advection.mode is \"flow\", in which it stands still",
+                "set advection.mode = \"remesh\" and leave out [velocity], or leave out mesh.motion",
+            )),
+            (Mode::Remesh, _, None) => Err(context.error(
+                place,
+                "advection.mode is \"remesh\", and there is no mesh.motion",
+                "say how the mesh moves, such as motion = { wave = { amplitude = 0.5 } } in [mesh]",
+            )),
+            (Mode::Remesh, Some(velocity), Some(_)) => Err(context.error(
+                velocity.field.span(),
+                "in the mode \"remesh\" the material rests, and there is a velocity",
+                "leave out [velocity], or set advection.mode = \"flow\" and leave out mesh.motion",
+            )),
+            (Mode::Flow, Some(_), None) | (Mode::Remesh, None, Some(_)) => Ok(()),
+        }
+    }
+}
+
 impl<const D: usize> Resolved<D> {
     fn new(mut file: SceneFile, source: Source) -> Result<Self, SceneError> {
         let context = Context { source: &source };
         let mesh = file.mesh.get_mut().resolve(context)?;
         let materials = materials::<D>(&file, context)?;
         let names: Vec<String> = materials.iter().map(|material| material.name.clone()).collect();
-        let (field, reversal) = file.velocity.resolve::<D>(context)?;
         let boundary = file.boundary.resolve(&names, context)?;
         let reconstruction = file.reconstruction.resolve(context)?;
         file.advection.get_mut().place = file.advection.span();
         let advection = file.advection.get_mut().resolve(context)?;
+        file.check_mode(advection.mode, context)?;
+        let (field, reversal) = match &file.velocity {
+            Some(velocity) => velocity.resolve::<D>(context)?,
+            None => (Field::Uniform { velocity: Vector::<3>::zeros() }, ReversalSetup::None),
+        };
         let output = file.output.resolve(D, context)?;
         let name = file.name.as_ref().map(|name| name.get_ref().clone()).unwrap_or_default();
         Ok(Self {
@@ -228,14 +265,21 @@ impl<const D: usize> Resolved<D> {
         let given = |place: Range<usize>, otherwise: Range<usize>| {
             if place.is_empty() { otherwise } else { place }
         };
+        // The velocity, or what there is in its place.
+        let moves = || {
+            let velocity = file.velocity.as_ref().map(|velocity| velocity.field.span());
+            let motion = || file.mesh.get_ref().motion.as_ref().map(Spanned::span);
+            velocity.or_else(motion).unwrap_or_default()
+        };
         match part {
             Part::Mesh => file.mesh.get_ref().cells.span(),
             Part::Distortion => {
                 given(file.mesh.get_ref().distortion.span(), file.mesh.get_ref().cells.span())
             }
             Part::Shape(material) => file.material.get_ref()[material].shape.span(),
-            Part::Field => file.velocity.field.span(),
-            Part::Boundary(axis) => given(file.boundary.place(axis), file.velocity.field.span()),
+            Part::Motion | Part::Field => moves(),
+            Part::Boundary(axis) => given(file.boundary.place(axis), moves()),
+            Part::Scheme => advection.scheme_place(),
             Part::Courant => advection.courant_place(),
             Part::Steps => advection.steps_place(),
         }

@@ -164,6 +164,32 @@ impl<const D: usize> StepFluxes<'_, D> {
         flux
     }
 
+    /// The same through all faces of the cell at `offset`.
+    pub fn of_cell(&self, offset: [usize; D]) -> [f64; 6] {
+        let (cells, periodic) = (self.source.grid.cells(), self.source.grid.periodic());
+        let mut through = [0.0; 6];
+        if (0..D).any(|k| periodic[k] && offset[k] + 1 == cells[k]) {
+            for face in 0..2 * D {
+                through[face] = self.through(offset, face / 2, face % 2);
+            }
+            return through;
+        }
+        for edges in &self.source.edges {
+            // Right-handed (a, b, edge): what crosses a is a difference along b, what crosses b one along a against it.
+            let (a, b) = ((edges.axis + 1) % 3, (edges.axis + 2) % 3);
+            let near: usize = (0..D).map(|k| offset[k] * edges.strides[k]).sum();
+            let at = |i: usize, j: usize| {
+                self.scaled(edges.values[near + i * edges.strides[a] + j * edges.strides[b]])
+            };
+            let corners = [[at(0, 0), at(0, 1)], [at(1, 0), at(1, 1)]];
+            for side in 0..2 {
+                through[2 * a + side] += corners[side][1] - corners[side][0];
+                through[2 * b + side] -= corners[1][side] - corners[0][side];
+            }
+        }
+        through
+    }
+
     fn scaled(&self, edge: f64) -> f64 {
         self.round(edge * self.duration)
     }
@@ -171,6 +197,11 @@ impl<const D: usize> StepFluxes<'_, D> {
     /// For how long the steady field acts in the step; negative backwards.
     pub fn duration(&self) -> f64 {
         self.duration
+    }
+
+    /// What the volumes are multiples of.
+    pub(crate) fn quanta(&self) -> Quanta {
+        self.quanta
     }
 
     /// A volume rounded to the step's power of two, for fluxes that are to be added exactly.
