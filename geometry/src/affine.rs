@@ -42,7 +42,7 @@ impl<const D: usize> Monotone for Affine<D> {
     }
 
     #[inline]
-    fn volume(&self, depth: f64) -> Value {
+    fn volume(&mut self, depth: f64) -> Value {
         self.cube.volume(depth)
     }
 
@@ -50,7 +50,7 @@ impl<const D: usize> Monotone for Affine<D> {
         self.cube.position(fraction).0
     }
 
-    fn closed_form(&self, fraction: f64) -> Option<(f64, usize)> {
+    fn closed_form(&mut self, fraction: f64) -> Option<(f64, usize)> {
         Some(self.cube.position(fraction))
     }
 }

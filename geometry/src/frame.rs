@@ -30,7 +30,7 @@ pub(crate) struct Frame<const D: usize> {
 
 /// A normal in the frame of a cell, with what its plane constants need.
 pub(crate) struct Direction<const D: usize> {
-    /// `J^T n / size`.
+    /// `J^T n / size`, with 1 or -1 as largest component.
     pub(crate) m: Vector<D>,
     /// The largest component of `J^T n`, the unit of levels.
     size: f64,
@@ -78,7 +78,8 @@ impl<const D: usize> Frame<D> {
         let largest = m.iter().fold(0.0, |largest: f64, c| if c.abs() > largest { c.abs() } else { largest });
         let size = if largest >= f64::MIN_POSITIVE { largest } else { 1.0 };
         let per_size = size.recip();
-        let m = (m * per_size).map(|c| if c.abs() < DIRECTION_NEGLIGIBLE { 0.0 } else { c });
+        // Divided, not multiplied by the rounded inverse, for the largest to be 1 or -1.
+        let m = (m / size).map(|c| if c.abs() < DIRECTION_NEGLIGIBLE { 0.0 } else { c });
         Direction { m, size, per_size, base: compensated::dot(normal, x0), first: m.dot(y0) }
     }
 

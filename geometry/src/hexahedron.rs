@@ -4,18 +4,13 @@
 //! `n.x = d` becomes `m.y = level` with `m` along `J^T n`, and volumes scale with `det J`. Slivers, needles, rotated or
 //! not, and tiny or huge cells are then as accurate as the unit cube.
 //!
-//! **Truncated volume.** For any point `p` on the plane the divergence theorem gives (Kothe et al. 1999;
-//! Eq. 91, 94 of the paper)
-//!
-//! ```text
-//! 3 V = sum over faces [ (y1 - p).k - nu K11 ],   k = q0 K00 + q_alpha K10 + q_beta K01,   A = - m . sum k / (m . m)
-//! ```
-//!
-//! with the moments `K_nm` of `alpha^n beta^m` over the part of the face's unit square where the bilinear height is not
-//! positive. That part is a corner under a hyperbola, a strip under one, or the complement of corners. The private
-//! `along` does that for one normal.
+//! **Truncated volume.** The divergence theorem (Kothe et al. 1999; Eq. 91, 94 of the paper) makes it a sum over the parts of
+//! the faces where the bilinear height over the plane is not positive. Such a part is a corner under a hyperbola, a strip under
+//! one, or the complement of corners; the private `face_part` has the formulas, `cases` says which parts there are, and `along` and
+//! `profile` do the sum for one normal.
 
 mod along;
+mod cases;
 mod profile;
 
 use std::ops::{Add, Mul, Sub};
@@ -31,7 +26,6 @@ use crate::tolerance::{TWIST_AFFINE, TWIST_NEGLIGIBLE};
 use crate::{Defect, HalfSpace, Vector, defects, jacobian, section};
 
 use along::Along;
-use profile::Profile;
 
 type Vector3 = Vector<3>;
 
@@ -282,7 +276,7 @@ impl Cell<3> for Hexahedron {
 
     fn truncate(&self, half_space: &HalfSpace<3>) -> Truncation {
         if self.affine {
-            let along = Affine::new(self.direction(&half_space.normal));
+            let mut along = Affine::new(self.direction(&half_space.normal));
             let part = along.volume(along.depth(half_space.constant));
             return self.frame.truncation(part, &along.direction);
         }
@@ -313,12 +307,12 @@ impl Cell<3> for Hexahedron {
         plane_constant::check(normal.as_slice(), fraction, self.volume())?;
         plane_constant::from_smaller_part(fraction, |sign, fraction| {
             if self.affine {
-                let along = Affine::new(self.direction(&(normal * sign)));
-                let found = plane_constant::find(&along, fraction, method)?;
+                let mut along = Affine::new(self.direction(&(normal * sign)));
+                let found = plane_constant::find(&mut along, fraction, method)?;
                 return Ok(found.with(sign * along.constant(found.constant), sign));
             }
             let along = Along::new(self, &(normal * sign));
-            let found = plane_constant::find(&Profile::new(&along), fraction, method)?;
+            let found = plane_constant::find(&mut along.rising(), fraction, method)?;
             Ok(found.with(sign * along.constant(found.constant), sign))
         })
     }

@@ -6,6 +6,7 @@
 //! M00(w) = int int du dv             = S1 - S2                 = sum (-w)^n / ((n+1)(n+2))
 //! M10(w) = int int u du dv           = S2 - S3                 = sum (-w)^n / ((n+2)(n+3))
 //! M11(w) = int int u v du dv         = 3/2 (S3 - S4) - M10 / 2 = sum (n+1)(-w)^n / ((n+2)(n+3)(n+4))
+//! N0(w)  = int du / (1 + w u)        = S1
 //! ```
 //!
 //! The series converge for `|w| < 1` only, and the logarithms that replace them cancel near `w = 0`. Written
@@ -16,6 +17,7 @@
 //! M00 = (1-z)/2  (1 + z (1+z) (1/3 + z^2 A))
 //! M10 = (1-z)/8  (4/3 + 2 z^2 B)                B = 1/3 - (1 - z^2) A
 //! M11 = (1-z)/48 (2 - 3 z B (3 - z))
+//! N0  = (1-z)    (1 + z^2 (1/3 + z^2 A))
 //! ```
 //!
 //! `A` is a minimax polynomial for `|z| <= 3/5`, that is `1 + w` in `[1/4, 4]`, a short one for `|z| <= 1/3`, and a
@@ -30,6 +32,8 @@ pub struct Moments {
     pub m10: f64,
     /// Integral of `u v`.
     pub m11: f64,
+    /// Integral of `1 / (1 + w u)` over `u` from 0 to 1, `ln(1 + w) / w`; that of `u / (1 + w u)` is `N0 - M00`.
+    pub n0: f64,
 }
 
 /// Minimax polynomial of `A` in `z^2` on `[0, 1/9]`, largest error 4.2e-17.
@@ -81,48 +85,112 @@ const LARGE_W: f64 = 8.0;
 /// The moments for `1 + w = numerator / denominator`, both not negative and not both zero, where `difference` is
 /// `numerator - denominator`, which the caller has without cancellation.
 pub fn moments(numerator: f64, denominator: f64, difference: f64) -> Moments {
-    let sum = numerator + denominator;
     // Where the products of heights underflow the quotient may leave its range.
-    let z = (difference / sum).clamp(-1.0, 1.0);
-    let z2 = z * z;
-    if z2 <= SHORT {
-        return from_even_part(z, 1.0 - z, 1.0 + z, short_polynomial(z2));
+    let z = (difference / (numerator + denominator)).clamp(-1.0, 1.0);
+    let mut argument = Argument::near(z);
+    if Argument::is_far(z) {
+        argument = Argument::far(z, [numerator, denominator]);
     }
-    if z2 <= WIDE {
-        let a = EVEN_WIDE.iter().rev().fold(0.0, |sum, c| sum * z2 + c);
-        return from_even_part(z, 1.0 - z, 1.0 + z, a);
+    let Argument { minus, plus, even, .. } = argument;
+    let Integrals { m00, m10, n0, .. } = argument.integrals();
+    let w = (difference / denominator).min(RATIO_RANGE[1]);
+    let m11 = if w > LARGE_W {
+        let (v, ln) = (1.0 / w, logarithm(numerator, denominator));
+        ((ln * (0.5 + v * (2.0 + 1.5 * v)) - 1.25 - 1.5 * v) * v) * v
+    } else {
+        let b = 1.0 / 3.0 - minus * plus * even;
+        minus * (1.0 / 48.0) * (2.0 - 3.0 * z * b * (3.0 - z))
+    };
+    Moments { m00: minus * m00, m10: minus * m10, m11, n0: minus * n0 }
+}
+
+/// `z` with what the moments are made of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Argument {
+    pub(crate) z: f64,
+    /// `1 - z` and `1 + z`, which cancel far from zero.
+    pub(crate) minus: f64,
+    pub(crate) plus: f64,
+    /// `A(z)`.
+    pub(crate) even: f64,
+}
+
+/// Moments, their differences and line integrals, all divided by `1 - z`:
+///
+/// ```text
+/// M00 = 1/2 (1 + z (1+z) C)     E = M00 - M10 = 1/3 + z (1+z) C / 2 - z^2 B / 4      C = 1/3 + z^2 A
+/// M10 = 1/4 (2/3 + z^2 B)       F = M10 - M11 = 1/8 + 3/16 z (1+z) B
+/// N0  = 1 + z^2 C               N1 = N0 - M00 = 1/2 (1 - z (1-z) C)
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Integrals {
+    pub(crate) m00: f64,
+    pub(crate) m10: f64,
+    pub(crate) e: f64,
+    pub(crate) f: f64,
+    pub(crate) n0: f64,
+    pub(crate) n1: f64,
+}
+
+impl Argument {
+    /// For `z` in `[-1, 1]`, unless it [is far](Self::is_far) from zero.
+    #[inline(always)]
+    pub(crate) fn near(z: f64) -> Self {
+        Self { z, minus: 1.0 - z, plus: 1.0 + z, even: short_polynomial(z * z) }
     }
-    let ratio = (numerator / denominator).clamp(RATIO_RANGE[0], RATIO_RANGE[1]);
-    let ln = ratio.ln();
-    let w = difference / denominator;
-    if w > LARGE_W {
-        let w = w.min(RATIO_RANGE[1]);
-        let v = 1.0 / w;
-        let m00 = ((1.0 + v) * ln - 1.0) * v;
-        let m10 = (0.5 - m00) * v;
-        let m11 = ((ln * (0.5 + v * (2.0 + 1.5 * v)) - 1.25 - 1.5 * v) * v) * v;
-        return Moments { m00, m10, m11 };
+
+    /// Whether `z` is so far from zero that it takes [`Self::far`].
+    #[inline(always)]
+    pub(crate) fn is_far(z: f64) -> bool {
+        z * z > SHORT
     }
-    let inverse = 1.0 / z2;
-    let a = ((0.5 * ln / z - 1.0) * inverse - 1.0 / 3.0) * inverse;
-    // Here 1 - z and 1 + z may cancel.
-    from_even_part(z, 2.0 * denominator / sum, 2.0 * numerator / sum, a)
+
+    /// For `z` far from zero, whose digits do not tell `1 - z` and `1 + z`, with the numerator and the denominator of `1 + w`.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn far(z: f64, [numerator, denominator]: [f64; 2]) -> Self {
+        let z2 = z * z;
+        if z2 <= WIDE {
+            return Self { even: EVEN_WIDE.iter().rev().fold(0.0, |sum, c| sum * z2 + c), ..Self::near(z) };
+        }
+        let inverse = 1.0 / z2;
+        let sum = numerator + denominator;
+        Self {
+            z,
+            minus: 2.0 * denominator / sum,
+            plus: 2.0 * numerator / sum,
+            even: ((0.5 * logarithm(numerator, denominator) / z - 1.0) * inverse - 1.0 / 3.0) * inverse,
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn integrals(self) -> Integrals {
+        let Self { z, minus, plus, even } = self;
+        let z2 = z * z;
+        let b = 1.0 / 3.0 - minus * plus * even;
+        let c = 1.0 / 3.0 + z2 * even;
+        let y = z * plus;
+        let (y_b, y_c, z2_b) = (y * b, y * c, z2 * b);
+        Integrals {
+            m00: 0.5 + 0.5 * y_c,
+            m10: 1.0 / 6.0 + 0.25 * z2_b,
+            e: 1.0 / 3.0 + (0.5 * y_c - 0.25 * z2_b),
+            f: 0.125 + 0.1875 * y_b,
+            n0: 1.0 + z2 * c,
+            n1: 0.5 - 0.5 * (z * minus) * c,
+        }
+    }
+}
+
+fn logarithm(numerator: f64, denominator: f64) -> f64 {
+    (numerator / denominator).clamp(RATIO_RANGE[0], RATIO_RANGE[1]).ln()
 }
 
 /// The polynomial with the terms [`EVEN`], in pairs (Estrin), which shortens the chain of operations that wait for each other.
+#[inline(always)]
 fn short_polynomial(x: f64) -> f64 {
     let pair = |i: usize| EVEN[i] + EVEN[i + 1] * x;
     let x2 = x * x;
     let x4 = x2 * x2;
     (pair(0) + pair(2) * x2) + x4 * ((pair(4) + pair(6) * x2) + pair(8) * x4)
-}
-
-fn from_even_part(z: f64, one_minus_z: f64, one_plus_z: f64, a: f64) -> Moments {
-    let z2 = z * z;
-    let b = 1.0 / 3.0 - one_minus_z * one_plus_z * a;
-    Moments {
-        m00: 0.5 * one_minus_z * (1.0 + z * one_plus_z * (1.0 / 3.0 + z2 * a)),
-        m10: 0.25 * one_minus_z * (2.0 / 3.0 + z2 * b),
-        m11: one_minus_z / 48.0 * (2.0 - 3.0 * z * b * (3.0 - z)),
-    }
 }

@@ -139,7 +139,7 @@ pub(crate) fn face_part(s: [f64; 4], mut add: impl FnMut(usize, f64, &FaceMoment
 
 /// All moments of the region under a hyperbola, symmetric in `n` and `m`.
 fn hyperbola_moments(numerator: f64, denominator: f64, difference: f64) -> FaceMoments {
-    let Moments { m00, m10, m11 } = moments(numerator, denominator, difference);
+    let Moments { m00, m10, m11, .. } = moments(numerator, denominator, difference);
     let SecondMoments { m20, m21, m22 } = second_moments(numerator, denominator, difference);
     [[m00, m10, m20], [m10, m11, m21], [m20, m21, m22]]
 }

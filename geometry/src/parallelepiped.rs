@@ -43,16 +43,16 @@ impl UnitCube {
     /// The part of the volume below the depth `a`, and its derivative with respect to `a`.
     pub fn volume(&self, a: f64) -> Value {
         if a <= 0.0 {
-            return Value { value: 0.0, derivative: 0.0 };
+            return Value::default();
         }
         if a >= self.sum {
-            return Value { value: 1.0, derivative: 0.0 };
+            return Value { value: 1.0, ..Value::default() };
         }
         if 2.0 * a <= self.sum {
             self.lower_half(a)
         } else {
-            let Value { value, derivative } = self.lower_half(self.sum - a);
-            Value { value: 1.0 - value, derivative }
+            let Value { value, derivative, second } = self.lower_half(self.sum - a);
+            Value { value: 1.0 - value, derivative, second: -second }
         }
     }
 
@@ -60,23 +60,29 @@ impl UnitCube {
         let [m1, m2, m3] = self.m;
         if a < m1 {
             let (r1, r2, r3) = (a / m1, a / m2, a / m3);
-            return Value { value: r1 * r2 * r3 / 6.0, derivative: 0.5 * r1 * r2 / m3 };
+            return Value {
+                value: r1 * r2 * r3 / 6.0,
+                derivative: 0.5 * r1 * r2 / m3,
+                second: (r1 / m2) / m3,
+            };
         }
         if a >= m1 + m2 && a <= m3 {
-            return Value { value: (2.0 * a - m1 - m2) / (2.0 * m3), derivative: 1.0 / m3 };
+            return Value { value: (2.0 * a - m1 - m2) / (2.0 * m3), derivative: 1.0 / m3, second: 0.0 };
         }
         let inverse = 1.0 / (m2 * m3);
         let mut value = (3.0 * a * (a - m1) + m1 * m1) * inverse / 6.0;
         let mut derivative = (a - 0.5 * m1) * inverse;
+        let mut second = inverse;
         for m in [m2, m3] {
             let t = a - m;
             if t > 0.0 {
-                let square = (t / m1) * t * inverse;
-                value -= square * t / 6.0;
-                derivative -= 0.5 * square;
+                let linear = (t / m1) * inverse;
+                value -= linear * t * t / 6.0;
+                derivative -= 0.5 * linear * t;
+                second -= linear;
             }
         }
-        Value { value, derivative }
+        Value { value, derivative, second }
     }
 
     /// The depth below which the part `fraction` in `[0, 1]` of the volume lies, and the number of
@@ -111,7 +117,7 @@ impl UnitCube {
         let end = 0.5 * self.sum;
         let mut evaluations = 0;
         while evaluations < 12 {
-            let Value { value, derivative } = self.lower_half(a);
+            let Value { value, derivative, .. } = self.lower_half(a);
             evaluations += 1;
             let next = (a - (value - fraction) / derivative).min(end);
             if (next - a).abs() <= f64::EPSILON * a {

@@ -71,11 +71,11 @@ pub(crate) trait Monotone {
     /// The whole volume.
     fn total(&self) -> f64;
     /// Volume below the plane and its derivative.
-    fn volume(&self, depth: f64) -> Value;
+    fn volume(&mut self, depth: f64) -> Value;
     /// A good first guess for the depth of a part of the volume.
     fn start(&self, fraction: f64) -> f64;
     /// The depth in closed form, where there is one, with the evaluations that it took.
-    fn closed_form(&self, fraction: f64) -> Option<(f64, usize)>;
+    fn closed_form(&mut self, fraction: f64) -> Option<(f64, usize)>;
 }
 
 pub(crate) fn check(normal: &[f64], fraction: f64, volume: f64) -> Result<(), PositionError> {
@@ -109,7 +109,7 @@ impl PlaneConstant {
 
 /// The depth for `fraction <= 1/2`, as the `constant` of the result.
 pub(crate) fn find<M: Monotone>(
-    cell: &M,
+    cell: &mut M,
     fraction: f64,
     method: PositionMethod,
 ) -> Result<PlaneConstant, PositionError> {
@@ -118,14 +118,14 @@ pub(crate) fn find<M: Monotone>(
     if target <= 0.0 {
         return Ok(PlaneConstant { constant: 0.0, residual: 0.0, evaluations: 0, closed_form: true });
     }
-    let excess = |depth: f64| {
-        let Value { value, derivative } = cell.volume(depth);
-        Value { value: value - target, derivative }
+    let excess = |cell: &mut M, depth: f64| {
+        let volume = cell.volume(depth);
+        Value { value: volume.value - target, ..volume }
     };
     if method == PositionMethod::Auto
         && let Some((depth, evaluations)) = cell.closed_form(fraction)
     {
-        let residual = excess(depth).value / total;
+        let residual = excess(cell, depth).value / total;
         return Ok(PlaneConstant {
             constant: depth,
             residual,
@@ -137,13 +137,16 @@ pub(crate) fn find<M: Monotone>(
     let tolerance = POSITION_RESIDUAL * target;
     let Root { position, residual, evaluations } = match method {
         PositionMethod::Brent => root::brent(
-            |depth| excess(depth).value,
+            |depth| excess(cell, depth).value,
             [0.0, span],
             [-target, total - target],
             tolerance,
             POSITION_EVALUATIONS,
         ),
-        _ => root::newton(excess, [0.0, span], cell.start(fraction), tolerance, POSITION_EVALUATIONS),
+        _ => {
+            let start = cell.start(fraction);
+            root::newton(|depth| excess(cell, depth), [0.0, span], start, tolerance, POSITION_EVALUATIONS)
+        }
     };
     let residual = residual / total;
     if residual.abs() <= POSITION_FAILURE {
@@ -167,6 +170,7 @@ pub(crate) fn slab_depth([a0, middle, a1]: [f64; 3], fraction: f64) -> f64 {
     let volume = |t: f64| Value {
         value: t * (a0 + t * (linear / 2.0 + t * square / 3.0)) - target,
         derivative: a0 + t * (linear + t * square),
+        second: linear + 2.0 * t * square,
     };
     root::newton(volume, [0.0, 1.0], fraction, POSITION_RESIDUAL * target, POSITION_EVALUATIONS).position
 }

@@ -141,15 +141,15 @@ impl Monotone for Along<'_> {
         self.cell.local_area
     }
 
-    fn volume(&self, depth: f64) -> Value {
+    fn volume(&mut self, depth: f64) -> Value {
         let s = self.heights.map(|h| h - depth);
         let inside = s.iter().filter(|&&s| s <= 0.0).count();
         match inside {
-            0 => Value { value: 0.0, derivative: 0.0 },
-            4 => Value { value: self.cell.local_area, derivative: 0.0 },
+            0 => Value::default(),
+            4 => Value { value: self.cell.local_area, ..Value::default() },
             3 => {
-                let Value { value, derivative } = self.lower_part(&s.map(|s| -s), -1.0);
-                Value { value: self.cell.local_area - value, derivative }
+                let above = self.lower_part(&s.map(|s| -s), -1.0);
+                Value { value: self.cell.local_area - above.value, ..above }
             }
             _ => self.lower_part(&s, 1.0),
         }
@@ -160,7 +160,7 @@ impl Monotone for Along<'_> {
         cube.position(fraction).0 * (self.span() / cube.span())
     }
 
-    fn closed_form(&self, fraction: f64) -> Option<(f64, usize)> {
+    fn closed_form(&mut self, fraction: f64) -> Option<(f64, usize)> {
         let target = fraction * self.cell.local_area;
         let mut levels = self.heights;
         levels.sort_unstable_by(f64::total_cmp);
@@ -216,7 +216,7 @@ impl Along<'_> {
             double += part * cross(&(y[a] - p), &edge);
             k += Vector2::new(edge[1], -edge[0]) * part;
         }
-        Value { value: 0.5 * double, derivative: -sign * m.dot(&k) / m2 }
+        Value { value: 0.5 * double, derivative: -sign * m.dot(&k) / m2, second: 0.0 }
     }
 }
 
@@ -280,11 +280,11 @@ impl Cell<2> for Quad {
 
     fn truncate(&self, half_space: &HalfSpace<2>) -> Truncation {
         if self.affine {
-            let along = Affine::new(self.direction(&half_space.normal));
+            let mut along = Affine::new(self.direction(&half_space.normal));
             let part = along.volume(along.depth(half_space.constant));
             return self.frame.truncation(part, &along.direction);
         }
-        let along = self.along(&half_space.normal);
+        let mut along = self.along(&half_space.normal);
         let part = along.volume(along.depth(half_space.constant));
         self.frame.truncation(part, &along.direction)
     }
@@ -313,12 +313,12 @@ impl Cell<2> for Quad {
         plane_constant::check(normal.as_slice(), fraction, self.volume())?;
         plane_constant::from_smaller_part(fraction, |sign, fraction| {
             if self.affine {
-                let along = Affine::new(self.direction(&(normal * sign)));
-                let found = plane_constant::find(&along, fraction, method)?;
+                let mut along = Affine::new(self.direction(&(normal * sign)));
+                let found = plane_constant::find(&mut along, fraction, method)?;
                 return Ok(found.with(sign * along.constant(found.constant), sign));
             }
-            let along = self.along(&(normal * sign));
-            let found = plane_constant::find(&along, fraction, method)?;
+            let mut along = self.along(&(normal * sign));
+            let found = plane_constant::find(&mut along, fraction, method)?;
             Ok(found.with(sign * along.constant(found.constant), sign))
         })
     }

@@ -1,5 +1,7 @@
 //! Roots of a function of one variable inside a bracket.
 
+use std::ops::AddAssign;
+
 /// What a search for a root ended with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Root {
@@ -11,22 +13,34 @@ pub struct Root {
     pub evaluations: usize,
 }
 
-/// A function with its derivative.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A function with its derivatives.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Value {
     /// The value.
     pub value: f64,
     /// The derivative.
     pub derivative: f64,
+    /// The second derivative, or zero where the function does not give it, which costs a search an evaluation.
+    pub second: f64,
 }
 
-/// Newton's method for an increasing function, kept inside the bracket `[low, high]` by bisection.
+impl AddAssign for Value {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        self.value += other.value;
+        self.derivative += other.derivative;
+        self.second += other.second;
+    }
+}
+
+/// Newton's method with the second derivative (Halley's), for an increasing function, kept inside the bracket `[low, high]`
+/// by bisection.
 ///
-/// From the second step on it uses the evaluation before as well: the inverse function's cubic through both values
-/// and derivatives, at zero (order 2.73, Traub 1964). Ends when the residual is at most `tolerance`, when a step no
-/// longer moves the position by more than rounding relative to its distance from zero, or after `limit` evaluations.
+/// From the second step on it uses the evaluation before as well: the inverse function's polynomial of fifth degree through both
+/// values and their derivatives, at zero (Traub 1964). Ends when the residual is at most `tolerance`, when a step no longer
+/// moves the position by more than rounding relative to its distance from zero, or after `limit` evaluations.
 pub fn newton(
-    function: impl Fn(f64) -> Value,
+    mut function: impl FnMut(f64) -> Value,
     [mut low, mut high]: [f64; 2],
     start: f64,
     tolerance: f64,
@@ -50,10 +64,7 @@ pub fn newton(
         } else {
             low = x;
         }
-        let step = -here.value / here.derivative;
-        let curved = before.map_or(step, |(x0, there)| step + inverse_cubic(here, there, x0 - x));
-        // A correction as large as the step means that the two points know nothing of each other.
-        let step = if (curved - step).abs() < 0.5 * step.abs() { curved } else { step };
+        let step = step(here, before.map(|(x0, there)| (there, x0 - x)));
         let next = if x + step > low && x + step < high { x + step } else { 0.5 * (low + high) };
         if (next - x).abs() <= f64::EPSILON * x.abs() {
             break;
@@ -64,14 +75,35 @@ pub fn newton(
     best
 }
 
-/// What the inverse function's cubic adds to Newton's step from `here`, for a second point at the distance `apart`:
-/// with `h` the difference of the values, `t = -value / h` and `m` the inverse derivatives,
-/// `t^2 (3 apart - 2 h m1 - h m0) + t^3 (h m1 + h m0 - 2 apart)`.
-fn inverse_cubic(here: Value, there: Value, apart: f64) -> f64 {
+/// The step from `here` to where the function is zero, for another point at the distance `apart`, if there is one.
+fn step(here: Value, before: Option<(Value, f64)>) -> f64 {
+    let inverse = 1.0 / here.derivative;
+    let newton = -here.value * inverse;
+    let bend = 0.5 * newton * (here.second * inverse);
+    let halley = newton / (1.0 + bend);
+    let curved = match before {
+        None => halley,
+        Some((there, apart)) => newton * (1.0 - bend) + inverse_quintic(here, there, apart, inverse),
+    };
+    // A correction of the size of the step means that there is no such function near here.
+    [curved, halley].into_iter().find(|step| (step - newton).abs() < 0.5 * newton.abs()).unwrap_or(newton)
+}
+
+/// What the inverse function's polynomial of fifth degree adds to its terms up to the second power, for a second point at the
+/// distance `apart`: in `t`, which is 0 here and 1 there, with derivatives of the inverse function by it.
+fn inverse_quintic(here: Value, there: Value, apart: f64, inverse: f64) -> f64 {
     let h = there.value - here.value;
     let t = -here.value / h;
-    let (m1, m0) = (h / here.derivative, h / there.derivative);
-    t * t * ((3.0 * apart - 2.0 * m1 - m0) + t * (m1 + m0 - 2.0 * apart))
+    let (first, there_first) = (h * inverse, h / there.derivative);
+    let second = -(first * first) * (here.second * inverse);
+    let there_second = -(there_first * there_first) * (there.second / there.derivative);
+    let value = apart - first - 0.5 * second;
+    let slope = there_first - first - second;
+    let curvature = there_second - second;
+    let cubic = 10.0 * value - 4.0 * slope + 0.5 * curvature;
+    let fourth = 7.0 * slope - 15.0 * value - curvature;
+    let fifth = 6.0 * value - 3.0 * slope + 0.5 * curvature;
+    t * t * t * (cubic + t * (fourth + t * fifth))
 }
 
 /// Brent's method (Brent 1973, chapter 4): inverse quadratic interpolation and secants, kept safe by bisection.
@@ -79,7 +111,7 @@ fn inverse_cubic(here: Value, there: Value, apart: f64) -> f64 {
 /// The values at the ends of the bracket are given, since the caller often knows them without an evaluation.
 /// Ends when the residual is at most `tolerance`, when the bracket cannot shrink, or after `limit` evaluations.
 pub fn brent(
-    function: impl Fn(f64) -> f64,
+    mut function: impl FnMut(f64) -> f64,
     bracket: [f64; 2],
     values: [f64; 2],
     tolerance: f64,

@@ -101,7 +101,7 @@ pub fn volume(cell: &Hexahedron, triangulation: Triangulation) -> f64 {
 pub fn truncate(cell: &Hexahedron, half_space: &HalfSpace<3>, triangulation: Triangulation) -> Truncation {
     let direction = cell.direction(&half_space.normal);
     let polyhedron = Polyhedron::new(cell, triangulation);
-    let Value { value, derivative } =
+    let Value { value, derivative, .. } =
         polyhedron.along(&direction.m).below(direction.level(half_space.constant));
     Truncation {
         volume: cell.frame_determinant() * value,
@@ -127,8 +127,8 @@ pub fn plane_constant(
     plane_constant::from_smaller_part(fraction, |sign, fraction| {
         let direction = cell.direction(&(normal * sign));
         let cube = UnitCube::new(direction.m.as_slice());
-        let along = Positioned { along: polyhedron.along(&direction.m), cube };
-        let found = plane_constant::find(&along, fraction, PositionMethod::Newton)?;
+        let mut along = Positioned { along: polyhedron.along(&direction.m), cube };
+        let found = plane_constant::find(&mut along, fraction, PositionMethod::Newton)?;
         Ok(found.with(sign * direction.constant(along.along.low + found.constant), sign))
     })
 }
@@ -169,13 +169,13 @@ impl Along<'_> {
         let s = self.heights.map(|h| h - level);
         let total = self.polyhedron.volume;
         match s[..8].iter().filter(|&&s| s <= 0.0).count() {
-            0 => Value { value: 0.0, derivative: 0.0 },
-            8 => Value { value: total, derivative: 0.0 },
+            0 => Value::default(),
+            8 => Value { value: total, ..Value::default() },
             1..=4 => self.part(&s, 1.0),
             _ => {
                 // The smaller part keeps its relative accuracy.
-                let Value { value, derivative } = self.part(&s.map(|s| -s), -1.0);
-                Value { value: total - value, derivative }
+                let above = self.part(&s.map(|s| -s), -1.0);
+                Value { value: total - above.value, ..above }
             }
         }
     }
@@ -195,7 +195,7 @@ impl Along<'_> {
                 twice += area;
             }
         }
-        Value { value: six_times / 6.0, derivative: -0.5 * sign * self.m.dot(&twice) / m2 }
+        Value { value: six_times / 6.0, derivative: -0.5 * sign * self.m.dot(&twice) / m2, second: 0.0 }
     }
 }
 
@@ -232,7 +232,7 @@ impl Monotone for Positioned<'_> {
         self.along.polyhedron.volume
     }
 
-    fn volume(&self, depth: f64) -> Value {
+    fn volume(&mut self, depth: f64) -> Value {
         self.along.below(self.along.low + depth)
     }
 
@@ -240,7 +240,7 @@ impl Monotone for Positioned<'_> {
         self.cube.position(fraction).0 * (self.span() / self.cube.span())
     }
 
-    fn closed_form(&self, _: f64) -> Option<(f64, usize)> {
+    fn closed_form(&mut self, _: f64) -> Option<(f64, usize)> {
         None
     }
 }

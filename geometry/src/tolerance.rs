@@ -70,3 +70,7 @@ pub const KOTHE_TERMS: usize = 2000;
 /// A simplex of a cell, relative to the cell's extent to the power of the dimension, that counts as nothing when the cell is
 /// cut out of a region. Its planes are rounding, and where all of them are, any part of the region could lie between them.
 pub const PIECE_NEGLIGIBLE: f64 = 1e-15;
+
+/// A difference of heights along an edge, relative to the largest component of the normal in the cell's frame, below which it
+/// is counted as that: the edge lies in the plane to far beyond rounding, and the inverse of a smaller one overflows.
+pub const HEIGHT_NEGLIGIBLE: f64 = 1e-290;

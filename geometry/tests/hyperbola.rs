@@ -69,7 +69,7 @@ fn number(text: &str) -> f64 {
     text.parse().expect("a number")
 }
 
-fn values(Moments { m00, m10, m11 }: Moments) -> [f64; 3] {
+fn values(Moments { m00, m10, m11, .. }: Moments) -> [f64; 3] {
     [m00, m10, m11]
 }
 
@@ -87,6 +87,18 @@ fn moments_to_a_few_units_of_rounding() {
         }
     }
     println!("largest relative errors of M00, M10, M11: {largest:?}");
+}
+
+/// `N0 = ln(r) / w`, and near `w = 0` from `w M00 + 1 = r N0`.
+#[test]
+fn line_integral_to_a_few_units_of_rounding() {
+    for (r, [m00, ..]) in EXACT {
+        let r = number(r);
+        let w = r - 1.0;
+        let exact = if w.abs() > 0.5 { r.ln() / w } else { (1.0 + w * number(m00)) / r };
+        let error = (moments(r, 1.0, w).n0 - exact).abs() / exact;
+        assert!(error <= 6.0 * f64::EPSILON, "r = {r:e}: {error:e}");
+    }
 }
 
 /// `r` comes as a quotient: only the quotient matters, however large or small its terms.

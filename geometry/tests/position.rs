@@ -24,7 +24,7 @@ fn evaluations(method: PositionMethod) -> (f64, usize) {
 #[test]
 fn evaluations_on_ruled_cells() {
     for (method, mean_allowed, most_allowed) in
-        [(PositionMethod::Auto, 4.0, 8), (PositionMethod::Newton, 4.0, 8), (PositionMethod::Brent, 11.0, 20)]
+        [(PositionMethod::Auto, 3.2, 8), (PositionMethod::Newton, 3.2, 8), (PositionMethod::Brent, 11.0, 20)]
     {
         let (mean, most) = evaluations(method);
         println!("{method:?}: mean {mean:.2}, most {most}");

@@ -1,26 +1,23 @@
 //! A hexahedron along one normal: its truncated volume as a function of the depth of the plane.
-//!
-//! This is what one plane needs; [`super::profile`] prepares for many planes with the same normal.
 
-use crate::cell::Cell;
 use crate::centroid;
-use crate::face_part::{FaceMoments, FaceSum, WHOLE_FACE, face_part};
 use crate::frame::Direction;
 use crate::moment::{self, PartMoment};
+use crate::parallelepiped::UnitCube;
+use crate::plane_constant::Monotone;
 use crate::root::Value;
-use crate::ruled_face::SurfaceElement;
 
+use super::profile::Profile;
 use super::{Hexahedron, Vector3};
 
 /// A hexahedron along one normal, in its frame: heights of the nodes over the lowest of them, in units of `size`.
 pub(super) struct Along<'a> {
-    pub(super) cell: &'a Hexahedron,
+    cell: &'a Hexahedron,
     /// The normal in the frame; its size is the unit of all heights and depths here.
     pub(super) direction: Direction<3>,
-    pub(super) lowest: usize,
     /// `m.y` of the lowest node.
     low: f64,
-    pub(super) heights: [f64; 8],
+    heights: [f64; 8],
 }
 
 impl<'a> Along<'a> {
@@ -28,10 +25,9 @@ impl<'a> Along<'a> {
     pub(super) fn new(cell: &'a Hexahedron, normal: &Vector3) -> Self {
         let direction = cell.direction(normal);
         let mut heights = cell.local.map(|y| direction.m.dot(&y));
-        let lowest = (1..8).fold(0, |best, i| if heights[i] < heights[best] { i } else { best });
-        let low = heights[lowest];
+        let low = smallest(&heights);
         heights.iter_mut().for_each(|h| *h -= low);
-        Self { cell, direction, lowest, low, heights }
+        Self { cell, direction, low, heights }
     }
 
     /// The depth of a plane over the lowest node.
@@ -47,14 +43,19 @@ impl<'a> Along<'a> {
     /// Volume and section below one depth.
     pub(super) fn volume(&self, depth: f64) -> Value {
         let s = self.heights.map(|h| h - depth);
+        let m = &self.direction.m;
         match s.iter().filter(|&&s| s <= 0.0).count() {
-            0 => Value { value: 0.0, derivative: 0.0 },
-            8 => Value { value: self.cell.local_volume, derivative: 0.0 },
-            1..=4 => self.lower_part(&s, 1.0),
+            0 => Value::default(),
+            8 => Value { value: self.cell.local_volume, ..Value::default() },
+            1..=4 => below(s, &self.cell.local, m),
             _ => {
                 // The smaller part is the one to compute: less to do, and it keeps its relative accuracy.
-                let Value { value, derivative } = self.lower_part(&s.map(|s| -s), -1.0);
-                Value { value: self.cell.local_volume - value, derivative }
+                let above = below(s.map(|s| -s), &self.cell.local, &-m);
+                Value {
+                    value: self.cell.local_volume - above.value,
+                    derivative: above.derivative,
+                    second: -above.second,
+                }
             }
         }
     }
@@ -69,67 +70,71 @@ impl<'a> Along<'a> {
         centroid::of_hexahedron(&self.cell.local, &self.direction.m, &self.heights.map(|h| h - depth))
     }
 
-    /// Volume and section where the heights `s` over a plane with normal `sign m` are not positive.
-    fn lower_part(&self, s: &[f64; 8], sign: f64) -> Value {
-        let y = &self.cell.local;
-        let m2 = self.direction.m.norm_squared();
-        // A point of the plane next to the part that is wanted keeps small parts accurate.
-        let lowest = (1..8).fold(0, |best, i| if s[i] < s[best] { i } else { best });
-        let p = y[lowest] - self.direction.m * (sign * s[lowest] / m2);
-        let mask = inside_mask(s);
-        let mut sum = Sum { y, p, face: Hexahedron::FACE_NODES[0], triple: 0.0, k: Vector3::zeros() };
-        for (i, &face) in Hexahedron::FACE_NODES.iter().enumerate() {
-            sum.face = face;
-            face_part(FACE_MASKS[i][mask], std::array::from_fn(|i| s[face[i]]), &mut sum);
-        }
-        let Sum { triple, k, .. } = sum;
-        Value { value: triple / 3.0, derivative: -sign * self.direction.m.dot(&k) / m2 }
+    /// The same, prepared for many depths.
+    #[inline(always)]
+    pub(super) fn rising(&self) -> Rising {
+        let heights = &self.heights;
+        let mut rising = Rising {
+            profile: Profile::new(*heights),
+            cube: UnitCube::new(self.direction.m.as_slice()),
+            span: -smallest(&heights.map(|h| -h)),
+            middle: heights.iter().sum::<f64>() / 8.0,
+            total: self.cell.local_volume,
+        };
+        rising.profile.set_faces(&self.cell.local, &self.direction.m);
+        rising
     }
 }
 
-/// Which nodes have a height that is not positive, one bit each.
-#[inline]
-pub(super) fn inside_mask(heights: &[f64; 8]) -> usize {
-    heights.iter().enumerate().fold(0, |mask, (i, &s)| mask | (usize::from(s <= 0.0) << i))
+/// The part between nodes `y` below the plane with normal `m` over which they have these heights.
+fn below(heights: [f64; 8], y: &[Vector3; 8], m: &Vector3) -> Value {
+    let mut profile = Profile::new(heights);
+    profile.set_faces(y, m);
+    profile.volume(0.0)
 }
 
-/// For each face the bits of its four nodes, by the bits of the cell's eight.
-pub(super) static FACE_MASKS: [[u8; 256]; 6] = {
-    let mut masks = [[0; 256]; 6];
-    let mut entry = 0;
-    while entry < 6 * 256 {
-        let (face, nodes) = (entry / 256, entry % 256);
-        let mut i = 0;
-        while i < 4 {
-            masks[face][nodes] |= ((nodes >> Hexahedron::FACE_NODES[face][i] & 1) << i) as u8;
-            i += 1;
-        }
-        entry += 1;
-    }
-    masks
-};
-
-/// The sums over faces for one plane.
-struct Sum<'a> {
-    y: &'a [Vector3; 8],
-    /// A point of the plane.
-    p: Vector3,
-    face: &'a [usize],
-    triple: f64,
-    k: Vector3,
+/// The smallest of eight numbers, in pairs.
+fn smallest(numbers: &[f64; 8]) -> f64 {
+    let smaller = |a: f64, b: f64| if b < a { b } else { a };
+    let [a, b, c, d, e, f, g, h] = *numbers;
+    smaller(smaller(smaller(a, b), smaller(c, d)), smaller(smaller(e, f), smaller(g, h)))
 }
 
-impl FaceSum for Sum<'_> {
-    fn whole(&mut self) {
-        self.part(0, 1.0, &WHOLE_FACE);
+/// The volume below a plane as it rises.
+pub(super) struct Rising {
+    profile: Profile,
+    /// The cell without its twists, along the same normal.
+    cube: UnitCube,
+    /// Height of the highest node, and the mean height.
+    span: f64,
+    middle: f64,
+    total: f64,
+}
+
+impl Monotone for Rising {
+    fn span(&self) -> f64 {
+        self.span
     }
 
-    fn part(&mut self, first: usize, sign: f64, moments: &FaceMoments) {
-        let corner = |i: usize| &self.y[self.face[(first + i) & 3]];
-        let SurfaceElement { q0, q_alpha, q_beta, nu } =
-            SurfaceElement::new([corner(0), corner(1), corner(2), corner(3)]);
-        let part = q0 * moments.k00 + q_alpha * moments.k10 + q_beta * moments.k01;
-        self.k += part * sign;
-        self.triple += sign * ((corner(0) - self.p).dot(&part) - nu * moments.k11);
+    fn total(&self) -> f64 {
+        self.total
+    }
+
+    fn volume(&mut self, depth: f64) -> Value {
+        self.profile.volume(depth)
+    }
+
+    /// From the affine part: for small parts with the lowest corners in one place and the heights stretched, for others with the
+    /// middles in one place; over the first sixteenth of the cell the one gives way to the other.
+    fn start(&self, fraction: f64) -> f64 {
+        let depth = self.cube.position(fraction).0;
+        let stretched = depth * (self.span / self.cube.span());
+        let centred = depth + (self.middle - 0.5 * self.cube.span());
+        let weight = (16.0 * fraction).min(1.0);
+        (stretched + weight * (centred - stretched)).clamp(0.0, self.span)
+    }
+
+    fn closed_form(&mut self, _fraction: f64) -> Option<(f64, usize)> {
+        None
     }
 }
