@@ -14,14 +14,14 @@ pub(crate) struct Affine<const D: usize> {
 }
 
 impl<const D: usize> Affine<D> {
-    #[inline]
+    #[inline(always)]
     pub(crate) fn new(direction: Direction<D>) -> Self {
         let low = direction.m.iter().fold(0.0, |low, m| low + m.min(0.0));
         Self { cube: UnitCube::new(direction.m.as_slice()), low, direction }
     }
 
     /// The depth of a plane over the lowest corner.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn depth(&self, constant: f64) -> f64 {
         self.direction.level(constant) - self.low
     }
@@ -41,16 +41,16 @@ impl<const D: usize> Monotone for Affine<D> {
         1.0
     }
 
-    #[inline]
+    #[inline(always)]
     fn volume(&mut self, depth: f64) -> Value {
         self.cube.volume(depth)
     }
 
     fn start(&self, fraction: f64) -> f64 {
-        self.cube.position(fraction).0
+        self.cube.position(fraction)
     }
 
     fn closed_form(&mut self, fraction: f64) -> Option<(f64, usize)> {
-        Some(self.cube.position(fraction))
+        Some((self.cube.position(fraction), 0))
     }
 }

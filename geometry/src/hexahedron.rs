@@ -155,6 +155,28 @@ impl Hexahedron {
         Self { nodes, frame: Frame::scaled(scale), local, twists, local_volume, affine: false }
     }
 
+    /// [`Cell::truncate`] where there is no closed form: apart from it, so that the closed form needs no room for this.
+    #[inline(never)]
+    fn truncate_ruled(&self, half_space: &HalfSpace<3>) -> Truncation {
+        let along = Along::new(self, &half_space.normal);
+        let part = along.volume(along.depth(half_space.constant));
+        self.frame.truncation(part, &along.direction)
+    }
+
+    /// [`Cell::plane_constant`] for `fraction <= 1/2` along `sign` times the normal, where there is no closed form.
+    #[inline(never)]
+    fn position_ruled(
+        &self,
+        normal: &Vector3,
+        sign: f64,
+        fraction: f64,
+        method: PositionMethod,
+    ) -> Result<PlaneConstant, PositionError> {
+        let along = Along::new(self, normal);
+        let found = plane_constant::find(&mut along.rising(), fraction, method)?;
+        Ok(found.with(sign * along.constant(found.constant), sign))
+    }
+
     /// The nodes in the cell's frame.
     pub(crate) fn local(&self) -> &[Vector3; 8] {
         &self.local
@@ -166,7 +188,7 @@ impl Hexahedron {
     }
 
     /// A normal in the cell's frame.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn direction(&self, normal: &Vector3) -> Direction<3> {
         self.frame.along(normal, &self.nodes[0], &self.local[0])
     }
@@ -280,9 +302,7 @@ impl Cell<3> for Hexahedron {
             let part = along.volume(along.depth(half_space.constant));
             return self.frame.truncation(part, &along.direction);
         }
-        let along = Along::new(self, &half_space.normal);
-        let part = along.volume(along.depth(half_space.constant));
-        self.frame.truncation(part, &along.direction)
+        self.truncate_ruled(half_space)
     }
 
     fn first_moment_about(&self, half_space: &HalfSpace<3>, point: &Vector3) -> Vector3 {
@@ -311,9 +331,7 @@ impl Cell<3> for Hexahedron {
                 let found = plane_constant::find(&mut along, fraction, method)?;
                 return Ok(found.with(sign * along.constant(found.constant), sign));
             }
-            let along = Along::new(self, &(normal * sign));
-            let found = plane_constant::find(&mut along.rising(), fraction, method)?;
-            Ok(found.with(sign * along.constant(found.constant), sign))
+            self.position_ruled(&(normal * sign), sign, fraction, method)
         })
     }
 

@@ -157,7 +157,7 @@ impl Monotone for Along<'_> {
 
     fn start(&self, fraction: f64) -> f64 {
         let cube = UnitCube::new(self.direction.m.as_slice());
-        cube.position(fraction).0 * (self.span() / cube.span())
+        cube.position(fraction) * (self.span() / cube.span())
     }
 
     fn closed_form(&mut self, fraction: f64) -> Option<(f64, usize)> {

@@ -237,7 +237,7 @@ impl Monotone for Positioned<'_> {
     }
 
     fn start(&self, fraction: f64) -> f64 {
-        self.cube.position(fraction).0 * (self.span() / self.cube.span())
+        self.cube.position(fraction) * (self.span() / self.cube.span())
     }
 
     fn closed_form(&mut self, _: f64) -> Option<(f64, usize)> {

@@ -3,6 +3,7 @@
 mod common;
 
 use common::{Random, corner};
+use vofkit_geometry::parallelepiped::UnitCube;
 use vofkit_geometry::{Cell, Hexahedron, PositionError, PositionMethod, Quad, Vector};
 
 const SAMPLES: usize = 2000;
@@ -55,6 +56,36 @@ fn closed_forms_are_used_where_they_exist() {
     let cell = Hexahedron::from_corners(|offset| shape * corner(offset));
     let position = cell.plane_constant(&random.unit(), 0.3, PositionMethod::Auto);
     assert!(cell.is_affine() && position.is_ok_and(|position| position.closed_form));
+    // The one evaluation is that of the residual.
+    assert_eq!(position.map(|position| position.evaluations), Ok(1));
+}
+
+/// Also where components of the direction are equal, nearly equal or negligible, or one is the sum of the others.
+#[test]
+fn cubes_are_cut_and_filled_in_closed_form() {
+    let mut random = Random(11);
+    let mut worst = 0.0_f64;
+    for sample in 0..20 * SAMPLES {
+        let mut magnitude = || 10.0_f64.powf(random.within(-18.0, 0.0));
+        let near = 1.0 + if sample % 2 == 0 { 0.0 } else { 1e-3 * magnitude() };
+        let [a, b] = [magnitude(), if sample % 3 == 0 { 1.0 } else { magnitude() }];
+        let m = match sample % 7 {
+            0 => [a, near * a, b],
+            1 => [a, b, a + near * b],
+            2 => [0.0, a, b],
+            3 => [a, near, 1.0],
+            _ => random.unit::<3>().into(),
+        };
+        let cube = UnitCube::new(&m);
+        let fraction = random.within(0.0, 1.0);
+        let depth = cube.position(fraction);
+        let volume = cube.volume(depth);
+        // The depth is rounded, and so is its distance from the nearer corner.
+        let error = (volume.value - fraction).abs() / (1.0 + volume.derivative * cube.span());
+        worst = if error <= worst { worst } else { error };
+        assert!(error <= 1e-15, "{m:?}, {fraction}: {depth}, off by {error:e}");
+    }
+    println!("largest error {worst:.1e}");
 }
 
 fn errors_are_typed<const D: usize, C: Cell<D>>(inverted: &C) {

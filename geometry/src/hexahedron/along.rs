@@ -127,7 +127,7 @@ impl Monotone for Rising {
     /// From the affine part: for small parts with the lowest corners in one place and the heights stretched, for others with the
     /// middles in one place; over the first sixteenth of the cell the one gives way to the other.
     fn start(&self, fraction: f64) -> f64 {
-        let depth = self.cube.position(fraction).0;
+        let depth = self.cube.position(fraction);
         let stretched = depth * (self.span / self.cube.span());
         let centred = depth + (self.middle - 0.5 * self.cube.span());
         let weight = (16.0 * fraction).min(1.0);
