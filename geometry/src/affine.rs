@@ -10,7 +10,7 @@ pub(crate) struct Affine<const D: usize> {
     pub(crate) direction: Direction<D>,
     cube: UnitCube,
     /// `m.y` of the lowest corner.
-    low: f64,
+    pub(crate) low: f64,
 }
 
 impl<const D: usize> Affine<D> {
@@ -24,11 +24,6 @@ impl<const D: usize> Affine<D> {
     #[inline(always)]
     pub(crate) fn depth(&self, constant: f64) -> f64 {
         self.direction.level(constant) - self.low
-    }
-
-    /// The plane constant of a depth.
-    pub(crate) fn constant(&self, depth: f64) -> f64 {
-        self.direction.constant(self.low + depth)
     }
 }
 

@@ -174,7 +174,7 @@ impl Hexahedron {
     ) -> Result<PlaneConstant, PositionError> {
         let along = Along::new(self, normal);
         let found = plane_constant::find(&mut along.rising(), fraction, method)?;
-        Ok(found.with(sign * along.constant(found.constant), sign))
+        Ok(found.plane(&along.direction, along.low, sign))
     }
 
     /// The nodes in the cell's frame.
@@ -329,7 +329,7 @@ impl Cell<3> for Hexahedron {
             if self.affine {
                 let mut along = Affine::new(self.direction(&(normal * sign)));
                 let found = plane_constant::find(&mut along, fraction, method)?;
-                return Ok(found.with(sign * along.constant(found.constant), sign));
+                return Ok(found.plane(&along.direction, along.low, sign));
             }
             self.position_ruled(&(normal * sign), sign, fraction, method)
         })

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::frame::Direction;
 use crate::root::{self, Root, Value};
 use crate::tolerance::{POSITION_EVALUATIONS, POSITION_FAILURE, POSITION_RESIDUAL};
 
@@ -20,9 +21,12 @@ pub enum PositionMethod {
 /// A plane constant with the numbers that say how good it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneConstant {
-    /// The plane constant `d`.
+    /// The plane constant `d`, rounded: far from the origin that moves the plane by more than rounding of the cell.
     pub constant: f64,
-    /// Truncated volume minus the volume asked for, relative to the cell's volume, before `constant` was rounded.
+    /// `n.(x - x0)` on the plane, with the first node `x0` of the cell: the plane constant where that node is the origin. It has all
+    /// its digits however far from the origin the cell lies.
+    pub local_constant: f64,
+    /// Truncated volume minus the volume asked for, relative to the cell's volume, before the constants were rounded.
     pub residual: f64,
     /// Evaluations of the truncated volume, the one of the residual included.
     pub evaluations: usize,
@@ -100,23 +104,44 @@ pub(crate) fn from_smaller_part(
     if fraction <= 0.5 { search(1.0, fraction) } else { search(-1.0, 1.0 - fraction) }
 }
 
-impl PlaneConstant {
-    /// From a depth along `sign n` to the `constant` of `n` that belongs to it.
-    pub(crate) fn with(self, constant: f64, sign: f64) -> Self {
-        Self { constant, residual: sign * self.residual, ..self }
+/// A depth over the lowest node, with the other numbers of a [`PlaneConstant`].
+pub(crate) struct Depth {
+    depth: f64,
+    residual: f64,
+    evaluations: usize,
+    closed_form: bool,
+}
+
+impl Depth {
+    /// The plane constant of `n`, where `direction` is that of `sign n` and the lowest node has `m.y = low`.
+    pub(crate) fn plane<const D: usize>(
+        self,
+        direction: &Direction<D>,
+        low: f64,
+        sign: f64,
+    ) -> PlaneConstant {
+        let Self { depth, residual, evaluations, closed_form } = self;
+        let level = low + depth;
+        PlaneConstant {
+            constant: sign * direction.constant(level),
+            local_constant: sign * direction.local_constant(level),
+            residual: sign * residual,
+            evaluations,
+            closed_form,
+        }
     }
 }
 
-/// The depth for `fraction <= 1/2`, as the `constant` of the result.
+/// The depth for `fraction <= 1/2`.
 pub(crate) fn find<M: Monotone>(
     cell: &mut M,
     fraction: f64,
     method: PositionMethod,
-) -> Result<PlaneConstant, PositionError> {
+) -> Result<Depth, PositionError> {
     let total = cell.total();
     let target = fraction * total;
     if target <= 0.0 {
-        return Ok(PlaneConstant { constant: 0.0, residual: 0.0, evaluations: 0, closed_form: true });
+        return Ok(Depth { depth: 0.0, residual: 0.0, evaluations: 0, closed_form: true });
     }
     let excess = |cell: &mut M, depth: f64| {
         let volume = cell.volume(depth);
@@ -126,12 +151,7 @@ pub(crate) fn find<M: Monotone>(
         && let Some((depth, evaluations)) = cell.closed_form(fraction)
     {
         let residual = excess(cell, depth).value / total;
-        return Ok(PlaneConstant {
-            constant: depth,
-            residual,
-            evaluations: evaluations + 1,
-            closed_form: true,
-        });
+        return Ok(Depth { depth, residual, evaluations: evaluations + 1, closed_form: true });
     }
     let span = cell.span();
     let tolerance = POSITION_RESIDUAL * target;
@@ -150,7 +170,7 @@ pub(crate) fn find<M: Monotone>(
     };
     let residual = residual / total;
     if residual.abs() <= POSITION_FAILURE {
-        Ok(PlaneConstant { constant: position, residual, evaluations, closed_form: false })
+        Ok(Depth { depth: position, residual, evaluations, closed_form: false })
     } else {
         Err(PositionError::NoConvergence { residual, evaluations })
     }

@@ -190,11 +190,6 @@ impl Along<'_> {
         self.direction.level(constant) - self.low
     }
 
-    /// The plane constant of a depth.
-    fn constant(&self, depth: f64) -> f64 {
-        self.direction.constant(self.low + depth)
-    }
-
     /// Area and section where the heights `s` over a line with normal `sign m` are not positive.
     fn lower_part(&self, s: &[f64; 4], sign: f64) -> Value {
         let y = &self.cell.local;
@@ -315,11 +310,11 @@ impl Cell<2> for Quad {
             if self.affine {
                 let mut along = Affine::new(self.direction(&(normal * sign)));
                 let found = plane_constant::find(&mut along, fraction, method)?;
-                return Ok(found.with(sign * along.constant(found.constant), sign));
+                return Ok(found.plane(&along.direction, along.low, sign));
             }
             let mut along = self.along(&(normal * sign));
             let found = plane_constant::find(&mut along, fraction, method)?;
-            Ok(found.with(sign * along.constant(found.constant), sign))
+            Ok(found.plane(&along.direction, along.low, sign))
         })
     }
 

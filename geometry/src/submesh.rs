@@ -129,7 +129,7 @@ pub fn plane_constant(
         let cube = UnitCube::new(direction.m.as_slice());
         let mut along = Positioned { along: polyhedron.along(&direction.m), cube };
         let found = plane_constant::find(&mut along, fraction, PositionMethod::Newton)?;
-        Ok(found.with(sign * direction.constant(along.along.low + found.constant), sign))
+        Ok(found.plane(&direction, along.along.low, sign))
     })
 }
 

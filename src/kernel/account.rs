@@ -7,9 +7,9 @@ use vofkit_geometry::{Cell, Hexahedron, Vector};
 
 use super::Task;
 use super::columns::{Columns, Given, QUANTITIES, left_empty};
+use super::compensated;
 use super::evaluate::Values;
 use super::input::Input;
-use super::placed;
 pub use super::timing::Timing;
 use crate::report::table;
 
@@ -254,7 +254,7 @@ fn face_in_plane(input: &Input, values: &Values) -> bool {
     let Input { nodes, normal, .. } = input;
     let local = match input.given {
         Given::Local(local) => local,
-        Given::Constant(constant) => placed::dot_plus(&-normal, &nodes[0], constant),
+        Given::Constant(constant) => compensated::dot_plus(&-normal, &nodes[0], constant),
         Given::Fraction(_) => values.numbers[QUANTITIES.len() - 3].unwrap_or(f64::NAN),
     };
     let over_first = nodes.map(|x| normal.dot(&(x - nodes[0])));

@@ -2,13 +2,12 @@
 
 use std::fmt::Write;
 
-use vofkit_geometry::{Cell, HalfSpace, TruncationMethod, Vector};
+use vofkit_geometry::{Cell, HalfSpace, Hexahedron, TruncationMethod, Vector};
 
 use super::Task;
 use super::columns::{Given, QUANTITIES};
 use super::error::RowError;
 use super::input::Input;
-use super::placed::Placed;
 
 /// The numbers of a row in the order of [`QUANTITIES`]; those that the method does not give, or that were not asked for,
 /// are none.
@@ -38,21 +37,30 @@ impl Values {
 /// A cell and a plane through it, in the same place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cut {
-    pub(super) placed: Placed,
+    pub(super) cell: Hexahedron,
     pub(super) half_space: HalfSpace<3>,
+    /// Where the origin was before the cell was moved.
+    shift: Vector<3>,
 }
 
 impl Cut {
+    /// A cell in the place where its first node is the origin, and the plane with this constant there.
+    fn at_origin(cell: &Hexahedron, normal: &Vector<3>, local: f64) -> Self {
+        Self {
+            cell: cell.relative_to_first_node(),
+            half_space: HalfSpace { normal: *normal, constant: local },
+            shift: cell.nodes()[0],
+        }
+    }
+
     /// A row, unless it asks for the plane.
     pub(super) fn given(input: &Input) -> Option<Self> {
+        let cell = || Hexahedron::new(input.nodes);
         match input.given {
-            Given::Local(local) => {
-                let placed = Placed::at_origin(&input.nodes);
-                Some(Self { placed, half_space: placed.half_space(&input.normal, local) })
-            }
+            Given::Local(local) => Some(Self::at_origin(&cell(), &input.normal, local)),
             Given::Constant(constant) => {
                 let half_space = HalfSpace { normal: input.normal, constant };
-                Some(Self { placed: Placed::in_place(&input.nodes), half_space })
+                Some(Self { cell: cell(), half_space, shift: Vector::zeros() })
             }
             Given::Fraction(_) => None,
         }
@@ -60,11 +68,11 @@ impl Cut {
 
     /// The first moment in the coordinates of the table.
     pub(super) fn moment(&self) -> Vector<3> {
-        self.placed.cell.first_moment_about(&self.half_space, &-self.placed.shift)
+        self.cell.first_moment_about(&self.half_space, &-self.shift)
     }
 
     fn values(&self, method: TruncationMethod) -> Values {
-        let cell = &self.placed.cell;
+        let cell = &self.cell;
         let truncation = method.truncate(cell, &self.half_space);
         let area = truncation.section_area.map(|area| area * length(&self.half_space.normal));
         let moment = (method == TruncationMethod::Exact).then(|| self.moment());
@@ -87,15 +95,13 @@ pub(super) fn evaluate(task: Task, input: &Input) -> Result<Values, RowError> {
     let values = match (task, Cut::given(input), input.given) {
         (Task::Truncate(method), Some(cut), _) => cut.values(method),
         (Task::Position(method), _, Given::Fraction(fraction)) => {
-            let placed = Placed::at_origin(&input.nodes);
-            let normal = input.normal;
-            let found = placed.cell.plane_constant(&normal, fraction, method).map_err(RowError::Position)?;
-            let local = placed.local_constant(&HalfSpace { normal, constant: found.constant });
+            let cell = Hexahedron::new(input.nodes);
+            let found = cell.plane_constant(&input.normal, fraction, method).map_err(RowError::Position)?;
             // As a truncation with this constant sees it.
-            let cut = Cut { placed, half_space: placed.half_space(&normal, local) };
+            let cut = Cut::at_origin(&cell, &input.normal, found.local_constant);
             let mut values = cut.values(TruncationMethod::Exact);
-            let constant = placed.constant(&normal, local);
-            let numbers = [constant, local, found.residual, found.evaluations as f64].map(Some);
+            let numbers =
+                [found.constant, found.local_constant, found.residual, found.evaluations as f64].map(Some);
             values.numbers[QUANTITIES.len() - numbers.len()..].copy_from_slice(&numbers);
             values.closed_form = found.closed_form;
             values

@@ -4,8 +4,8 @@ use csv::StringRecord;
 use vofkit_geometry::Vector;
 
 use super::columns::{Columns, Given, OF_ALL_TASKS};
+use super::compensated;
 use super::error::RowError;
-use super::placed;
 
 /// Characters of a wrong field that are shown.
 const SHOWN: usize = 40;
@@ -41,8 +41,8 @@ impl Input {
             Given::Fraction(at) => Given::Fraction(number(at)?),
         };
         if let (Given::Local(local), Some(at)) = (given, columns.agrees) {
-            let (constant, from_local) = (number(at)?, placed::dot_plus(&normal, &nodes[0], local));
-            if !((constant - from_local).abs() <= placed::rounding(&normal, &nodes[0], local)) {
+            let (constant, from_local) = (number(at)?, compensated::dot_plus(&normal, &nodes[0], local));
+            if !((constant - from_local).abs() <= compensated::rounding(&normal, &nodes[0], local)) {
                 return Err(RowError::Constants { constant, from_local });
             }
         }

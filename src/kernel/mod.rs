@@ -2,7 +2,8 @@
 //!
 //! - this file: a [`Job`] from one file to the other;
 //! - [`error`]: what can be wrong with a table; `columns`: which column is what; `rows`: the table in pieces;
-//! - `input`: a row as a cell and a plane; `placed`: cells far from the origin; `evaluate`: what the kernel says;
+//! - `input`: a row as a cell and a plane; `compensated`: plane constants far from the origin;
+//!   `evaluate`: what the kernel says;
 //! - [`account`]: errors against reference columns, and everything for the terminal; `timing`: nanoseconds per cell.
 //!
 //! **In**: a header and, in any order, the columns `x0, y0, z0, ... x7, y7, z7` (nodes in the order of
@@ -29,10 +30,10 @@
 
 pub mod account;
 mod columns;
+mod compensated;
 pub mod error;
 mod evaluate;
 mod input;
-mod placed;
 mod rows;
 mod timing;
 

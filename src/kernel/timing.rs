@@ -9,7 +9,6 @@ use super::Task;
 use super::columns::Given;
 use super::evaluate::Cut;
 use super::input::Input;
-use super::placed::Placed;
 
 /// Cells that are measured, at most: few enough to stay in a processor's cache.
 pub(super) const CELLS: usize = 1000;
@@ -43,7 +42,7 @@ pub(super) fn measure(task: Task, inputs: &[Input]) -> Option<Timing> {
         Task::Truncate(method) => {
             let cuts: Vec<Cut> = inputs.iter().filter_map(Cut::given).collect();
             let evaluate = median(&cuts, |cut| {
-                black_box(method.truncate(&cut.placed.cell, black_box(&cut.half_space)));
+                black_box(method.truncate(&cut.cell, black_box(&cut.half_space)));
             });
             let moment = || {
                 median(&cuts, |cut| {
@@ -54,9 +53,7 @@ pub(super) fn measure(task: Task, inputs: &[Input]) -> Option<Timing> {
         }
         Task::Position(method) => {
             let asked = |input: &Input| match input.given {
-                Given::Fraction(fraction) => {
-                    Some((Placed::at_origin(&input.nodes).cell, input.normal, fraction))
-                }
+                Given::Fraction(fraction) => Some((Hexahedron::new(input.nodes), input.normal, fraction)),
                 _ => None,
             };
             let cells: Vec<_> = inputs.iter().filter_map(asked).collect();

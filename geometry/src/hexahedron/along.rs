@@ -16,7 +16,7 @@ pub(super) struct Along<'a> {
     /// The normal in the frame; its size is the unit of all heights and depths here.
     pub(super) direction: Direction<3>,
     /// `m.y` of the lowest node.
-    low: f64,
+    pub(super) low: f64,
     heights: [f64; 8],
 }
 
@@ -33,11 +33,6 @@ impl<'a> Along<'a> {
     /// The depth of a plane over the lowest node.
     pub(super) fn depth(&self, constant: f64) -> f64 {
         self.direction.level(constant) - self.low
-    }
-
-    /// The plane constant of a depth.
-    pub(super) fn constant(&self, depth: f64) -> f64 {
-        self.direction.constant(self.low + depth)
     }
 
     /// Volume and section below one depth.
