@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::frame::Direction;
 use crate::root::{self, Root, Value};
-use crate::tolerance::{POSITION_EVALUATIONS, POSITION_FAILURE, POSITION_RESIDUAL};
+use crate::tolerance::{POSITION_EVALUATIONS, POSITION_FAILURE, POSITION_RESIDUAL, POSITION_ROUNDING};
 
 /// How the plane constant is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -168,8 +168,9 @@ pub(crate) fn find<M: Monotone>(
             root::newton(|depth| excess(cell, depth), [0.0, span], start, tolerance, POSITION_EVALUATIONS)
         }
     };
+    let accepted = residual.abs() <= (POSITION_FAILURE * total).max(POSITION_ROUNDING);
     let residual = residual / total;
-    if residual.abs() <= POSITION_FAILURE {
+    if accepted {
         Ok(Depth { depth: position, residual, evaluations, closed_form: false })
     } else {
         Err(PositionError::NoConvergence { residual, evaluations })

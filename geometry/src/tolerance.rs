@@ -23,6 +23,12 @@ pub const POSITION_RESIDUAL: f64 = 4.0 * f64::EPSILON;
 /// below; only a volume that is not monotone in the constant (an inverted cell) comes here.
 pub const POSITION_FAILURE: f64 = 1e-12;
 
+/// Residual of a plane constant, relative to the volume of the unit cube in the cell's frame, that is never an error: volumes are sums
+/// of terms of that order, and the rounding of the plane constant alone moves the plane by as much. It counts where the frame is a
+/// length scale, on cells that are much thinner than they are warped: without it they have no plane constant once their volume is
+/// below about 1e-5 of their extent cubed.
+pub const POSITION_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// Evaluations after which the search for a plane constant gives up. Bisection alone needs 60; Brent's method
 /// on the worst valid cells stays below 30.
 pub const POSITION_EVALUATIONS: usize = 100;

@@ -4,7 +4,7 @@ mod common;
 
 use common::{Random, corner};
 use vofkit_geometry::parallelepiped::UnitCube;
-use vofkit_geometry::{Cell, Hexahedron, PositionError, PositionMethod, Quad, Vector};
+use vofkit_geometry::{Cell, HalfSpace, Hexahedron, PositionError, PositionMethod, Quad, Vector};
 
 const SAMPLES: usize = 2000;
 
@@ -136,4 +136,39 @@ fn folded_cells_fail_with_numbers_or_succeed() {
         }
     }
     println!("{failed} of {SAMPLES} folded cells without a position");
+}
+
+/// Cells on a warped surface, far thinner than it is warped, have a length scale alone as frame: what is above and below the plane
+/// is known to the rounding of the extent, about 1 here, and not of the cell's own volume.
+#[test]
+fn thin_warped_cells_have_a_position() {
+    let mut random = Random(12);
+    let mut worst = 0.0_f64;
+    for thickness in (1..=12).map(|exponent| 10.0_f64.powi(-exponent)) {
+        let mut cells = 0;
+        while cells < 200 {
+            let base: [Vector<3>; 4] = std::array::from_fn(|_| random.vector(0.4));
+            let up: [Vector<3>; 4] =
+                std::array::from_fn(|_| Vector::<3>::new(0.0, 0.0, 1.0) + random.vector::<3>(0.3));
+            let cell = Hexahedron::from_corners(|[i, j, k]| {
+                corner([i, j, 0]) + base[i + 2 * j] + up[i + 2 * j] * (thickness * k as f64)
+            });
+            if cell.defects().iter().any(|defect| defect.is_error()) {
+                continue;
+            }
+            cells += 1;
+            let normal = if cells % 2 == 0 { random.unit() } else { cell.face_area(5).normalize() };
+            let fraction = random.within(0.0, 1.0);
+            for method in [PositionMethod::Auto, PositionMethod::Newton, PositionMethod::Brent] {
+                let position = cell
+                    .plane_constant(&normal, fraction, method)
+                    .unwrap_or_else(|error| panic!("{method:?}, {thickness:e} thick: {error}"));
+                let found = cell.truncate(&HalfSpace { normal, constant: position.constant }).volume;
+                let error = (found - fraction * cell.volume()).abs();
+                worst = if error <= worst { worst } else { error };
+                assert!(error <= 2e-15, "{method:?}, {thickness:e} thick: {error:e}, {position:?}");
+            }
+        }
+    }
+    println!("largest error {worst:.1e}");
 }
