@@ -22,7 +22,7 @@ pub const DESCENT_GAIN: f64 = 1e-3;
 
 /// A promised fall of a misfit (of fractions, squared) below this is rounding: where a plane fits, the descent goes on to here,
 /// which keeps it to 1e-12 of a cell.
-pub const MISFIT_ROUNDING: f64 = 1e-26;
+pub const MISFIT_ROUNDING: f64 = 1e-28;
 
 /// Points after which a descent stops. From a gradient's normal it takes about four; twenty are enough from any start.
 pub const DESCENT_POINTS: usize = 20;
@@ -41,6 +41,10 @@ pub const PLANE_DETERMINED: f64 = 1e-12;
 /// cells stays below; corners, films and two interfaces are above.
 pub const MISFIT_POOR: f64 = 2.5e-3;
 
+/// What is added to the spread `f (1 - f)` of a fraction before a misfit is divided by its root: pure cells would otherwise decide
+/// alone.
+pub const SPREAD_LEAST: f64 = 1e-3;
+
 /// Starts whose directions have a cosine above this lead to the same minimum.
 pub const STARTS_APART: f64 = 0.99;
 
@@ -56,14 +60,14 @@ pub const CONNECTED_NORMALS: f64 = 0.5;
 pub const CONNECTED_SLOPE: f64 = 1.0;
 
 /// Rounds after which the planes of neighbours are taken as they are. Errors are squared in each, so that a common plane is found in
-/// four or five; along a curve two bring all that there is to gain.
-pub const RELAXED_ROUNDS: usize = 8;
+/// four or five, next to corners a few rounds later; along a curve two or three bring all that there is to gain.
+pub const RELAXED_ROUNDS: usize = 12;
 
 /// The square of the last turn of a plane and its neighbours, relative to the mean square of the heights of their middles over it, below
 /// which it stays: further rounds would change less than a tenth of what remains.
 pub const RELAXED_GAIN: f64 = 1e-2;
 
-/// The square of a turn that counts as none.
+/// The square of a turn, or of a height in cells, that counts as none.
 pub const TURN_ROUNDING: f64 = 1e-24;
 
 /// A swept region whose own volume differs from the flux volume by more than this factor does not resemble the face's motion (its

@@ -260,7 +260,7 @@ fn what_is_wrong_in_added_lines_is_named_too() {
         ("[velocity]", "reversal = { cosine = { period = -1.0 } }", &["period is -1", "above 0"]),
         (
             END,
-            "[reconstruction]\nnormal = \"lvira\"",
+            "[reconstruction]\nnormal = \"mof\"",
             &["not available in this version", "youngs, youngs_logical"],
         ),
         (END, "[reconstruction]\nnormal = \"young\"", &["is not known", "youngs, youngs_logical"]),

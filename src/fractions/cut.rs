@@ -20,12 +20,19 @@ pub(super) struct Cut<'a, const D: usize> {
     region: &'a Region<D>,
     /// The origin of the bricks' coordinates.
     anchor: Vector<D>,
+    /// Whether to integrate along lines at fixed places, and never to bisect.
+    sampled: bool,
     bricks: usize,
 }
 
 impl<'a, const D: usize> Cut<'a, D> {
     pub(super) fn new(region: &'a Region<D>, anchor: Vector<D>) -> Self {
-        Self { region, anchor, bricks: 0 }
+        Self { region, anchor, sampled: false, bricks: 0 }
+    }
+
+    /// The same by lines at fixed places: to a thousandth, however the surfaces lie.
+    pub(super) fn sampled(region: &'a Region<D>, anchor: Vector<D>) -> Self {
+        Self { sampled: true, ..Self::new(region, anchor) }
     }
 
     /// The volume of a brick inside the region. `sides` are those of the surfaces that are known not to cross it, after
@@ -46,7 +53,7 @@ impl<'a, const D: usize> Cut<'a, D> {
         let open = self.region.open(&sides);
         looks.retain(|look| open.contains(&look.crossing.surface));
         let plan = Plan::new(&looks);
-        let may_bisect = self.bricks < BRICKS && depth < BISECTIONS;
+        let may_bisect = !self.sampled && self.bricks < BRICKS && depth < BISECTIONS;
         if may_bisect && (plan.hard || (plan.tangled && depth < PAIR_BISECTIONS)) {
             let axis = longest(&looks);
             return [0, 1].map(|side| self.volume(&brick.half(axis, side), &sides, depth + 1)).iter().sum();
@@ -62,7 +69,7 @@ impl<'a, const D: usize> Cut<'a, D> {
             order: plan.order,
             tolerances,
         };
-        problem.volume(brick)
+        if self.sampled { problem.sampled(brick) } else { problem.volume(brick) }
     }
 
     /// The side of a surface on which the brick lies, or how the surface may cross it.

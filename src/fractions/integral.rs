@@ -9,7 +9,7 @@ use vofkit_geometry::Vector;
 
 use super::brick::{Brick, CORNERS, Weight, coefficients, patch, weight};
 use super::form::{Form, events};
-use super::quadrature::{Breaks, integrate};
+use super::quadrature::{Breaks, fixed, integrate};
 use super::region::Region;
 
 /// A surface that crosses a brick, by its frame at the corners.
@@ -36,12 +36,17 @@ pub(super) struct Problem<'a, const D: usize> {
 }
 
 impl<const D: usize> Problem<'_, D> {
-    /// The volume of the brick inside the region.
-    pub(super) fn volume(&self, brick: &Brick<D>) -> f64 {
+    /// The sign of the order of the axes, and the coefficients of brick and surfaces in it.
+    fn ordered(&self, brick: &Brick<D>) -> (f64, [Vector<D>; CORNERS], Vec<[Vector<D>; CORNERS]>) {
         let [_, v, u] = self.order;
         let sign = if v == (u + 1) % 3 { 1.0 } else { -1.0 };
-        let x = coefficients(&brick.corners, self.order);
-        let surfaces: Vec<_> = self.crossings.iter().map(|c| coefficients(&c.frame, self.order)).collect();
+        let surfaces = self.crossings.iter().map(|c| coefficients(&c.frame, self.order)).collect();
+        (sign, coefficients(&brick.corners, self.order), surfaces)
+    }
+
+    /// The volume of the brick inside the region.
+    pub(super) fn volume(&self, brick: &Brick<D>) -> f64 {
+        let (sign, x, surfaces) = self.ordered(brick);
         let mut section = Section::new(self);
         let mut breaks = Breaks::default();
         if D == 2 {
@@ -65,6 +70,17 @@ impl<const D: usize> Problem<'_, D> {
         }
         let integrand = |u: f64| section.volume(&x, &surfaces, u, &mut breaks);
         sign * integrate(&mut outer, self.tolerances[0], integrand)
+    }
+
+    /// The same by lines at fixed places.
+    pub(super) fn sampled(&self, brick: &Brick<D>) -> f64 {
+        let (sign, x, surfaces) = self.ordered(brick);
+        let mut section = Section::new(self);
+        let mut at = |u: f64| {
+            let weight = section.at(&x, &surfaces, u);
+            fixed().map(|(v, share)| share * section.line.amount(&section.forms, &weight, v)).sum::<f64>()
+        };
+        sign * if D == 2 { at(0.0) } else { fixed().map(|(u, share)| share * at(u)).sum() }
     }
 }
 
@@ -95,6 +111,16 @@ impl<'a, const D: usize> Section<'a, D> {
         Self { problem, forms: Vec::with_capacity(problem.crossings.len()), line }
     }
 
+    /// Goes to the patch of constant `u`; returns the Jacobian determinant there.
+    fn at(&mut self, x: &[Vector<D>; CORNERS], surfaces: &[[Vector<D>; CORNERS]], u: f64) -> Weight {
+        self.forms.clear();
+        for (k, crossing) in surfaces.iter().zip(self.problem.crossings) {
+            let once = crossing.once[self.problem.order[0]];
+            self.forms.push(Form { curved: crossing.curved, once, k: patch(k, u) });
+        }
+        weight(x, u)
+    }
+
     /// The integral of the Jacobian determinant over the part of the patch of constant `u` inside the region.
     fn volume(
         &mut self,
@@ -103,12 +129,7 @@ impl<'a, const D: usize> Section<'a, D> {
         u: f64,
         breaks: &mut Breaks,
     ) -> f64 {
-        let weight = weight(x, u);
-        self.forms.clear();
-        for (k, crossing) in surfaces.iter().zip(self.problem.crossings) {
-            let once = crossing.once[self.problem.order[0]];
-            self.forms.push(Form { curved: crossing.curved, once, k: patch(k, u) });
-        }
+        let weight = self.at(x, surfaces, u);
         breaks.clear();
         events(&self.forms, breaks);
         let Self { forms, line, problem } = self;

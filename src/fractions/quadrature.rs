@@ -77,6 +77,13 @@ impl Breaks {
     }
 }
 
+/// Nodes and weights on `[0, 1]` for integrands of which nothing is known: the rule on each half.
+pub(super) fn fixed() -> impl Iterator<Item = (f64, f64)> {
+    [0.0, 0.5].into_iter().flat_map(|start| {
+        RULE.nodes.iter().zip(&RULE.weights).map(move |(node, weight)| (start + 0.5 * node, 0.5 * weight))
+    })
+}
+
 /// The integral over `[0, 1]` of a function that is smooth between the breaks, each smooth piece to an error below
 /// `tolerance`.
 pub(super) fn integrate(breaks: &mut Breaks, tolerance: f64, mut integrand: impl FnMut(f64) -> f64) -> f64 {

@@ -3,10 +3,14 @@
 mod field;
 mod fragments;
 mod gap;
+mod hausdorff;
+mod planes;
 
 pub use field::{absolute_integral, extremes, integral, total_variation};
 pub use fragments::{Fragments, fragments};
 pub use gap::facet_gap_mean;
+pub use hausdorff::hausdorff_mean;
+pub use planes::plane_errors;
 
 use vofkit_geometry::Cell;
 

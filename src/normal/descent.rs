@@ -65,7 +65,12 @@ pub(super) fn descend<const D: usize>(
         // What the linear model promises.
         let gain = -step.dot(&here.gradient);
         if !(gain > (DESCENT_GAIN * here.misfit).max(MISFIT_ROUNDING)) {
-            break;
+            if fresh {
+                break;
+            }
+            (here, fresh) = (evaluate(&normal, true)?, true);
+            points += 1;
+            continue;
         }
         let trial = (normal + step).normalize();
         points += 1;
@@ -76,9 +81,8 @@ pub(super) fn descend<const D: usize>(
             }
             _ if fresh => damping = (10.0 * damping).max(DESCENT_DAMPING),
             _ => {
+                (here, fresh) = (evaluate(&normal, true)?, true);
                 points += 1;
-                here = evaluate(&normal, true)?;
-                fresh = true;
             }
         }
     }

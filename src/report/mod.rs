@@ -4,6 +4,8 @@ pub mod table;
 
 use serde::Serialize;
 
+use crate::interface::Counts;
+
 /// The account of a whole run. Volumes are areas in two dimensions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
@@ -41,6 +43,8 @@ pub struct Summary {
     pub positions_iterative: usize,
     /// Evaluations of truncated volumes per plane constant by iteration; none without any.
     pub evaluations_per_position: Option<f64>,
+    /// What became of the normals.
+    pub normals: Normals,
     /// Corrections of all materials together.
     pub corrections: Corrections,
     /// What did not have to be done.
@@ -68,6 +72,40 @@ pub struct Corrections {
     pub no_normal: usize,
     /// Pre-images of the unsplit scheme that were cut and may fold over, counted each time.
     pub preimages_folded: usize,
+}
+
+/// Normals by what became of them, counted each time a plane was asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Normals {
+    /// Planes that the patch around the cell determines.
+    pub determined: usize,
+    /// Planes that it does not: they have the normal that the method started from.
+    pub undetermined: usize,
+    /// Cells without a normal, all fractions around being the same.
+    pub flat: usize,
+    /// Without a normal, alone among equals.
+    pub isolated: usize,
+    /// Without a normal, what is around pulling in no direction.
+    pub balanced: usize,
+    /// Without the centroid that the method needs.
+    pub no_centroid: usize,
+    /// Plane constants found on the way to a normal, on average; none without any plane.
+    pub trials_per_plane: Option<f64>,
+}
+
+impl From<&Counts> for Normals {
+    fn from(counts: &Counts) -> Self {
+        let planes = counts.mixed - counts.no_normal();
+        Self {
+            determined: planes - counts.undetermined,
+            undetermined: counts.undetermined,
+            flat: counts.flat,
+            isolated: counts.isolated,
+            balanced: counts.balanced,
+            no_centroid: counts.no_centroid,
+            trials_per_plane: (planes > 0).then(|| counts.trials as f64 / planes as f64),
+        }
+    }
 }
 
 /// What did not have to be done.

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::{MaterialSummary, Summary};
+use super::{MaterialSummary, Normals, Summary};
 
 /// Corrections up to this part of a material are rounding and not shown.
 const ROUNDING: f64 = 1e-12;
@@ -26,6 +26,7 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
             "reconstructed",
             format!("{} of {}", summary.cells_reconstructed, summary.skipped.reconstructions.of),
         ),
+        ("normals", normals(&summary.normals)),
         ("closed form", format!("{} of {positions} plane constants", summary.positions_closed_form)),
         ("corrections", format!("{:.1e} of a cell at most", summary.corrections.largest_fraction)),
         ("wall time", format!("{:.2} s with {} threads", summary.wall_seconds, summary.threads)),
@@ -49,6 +50,22 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
     text.push('\n');
     text.push_str(&columns(&table));
     let _ = writeln!(text, "\n{} files in {}", summary.files.len(), folder.display());
+    text
+}
+
+/// What became of the normals, without what did not occur.
+fn normals(normals: &Normals) -> String {
+    let others = [
+        (normals.undetermined, "not determined by their patch"),
+        (normals.flat, "none among equals"),
+        (normals.isolated, "none in single cells"),
+        (normals.balanced, "none by balance"),
+        (normals.no_centroid, "none without centroid"),
+    ];
+    let mut text = format!("{} determined", normals.determined);
+    for (count, what) in others.into_iter().filter(|(count, _)| *count > 0) {
+        let _ = write!(text, ", {count} {what}");
+    }
     text
 }
 

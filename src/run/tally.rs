@@ -9,7 +9,7 @@ use crate::interface::is_mixed;
 use crate::mesh::Mesh;
 use crate::metrics::{extremes, fragments, material_volume, shape_error};
 use crate::parallel;
-use crate::report::{Corrections, MaterialCorrections, MaterialSummary, Share, Skipped, Summary};
+use crate::report::{Corrections, MaterialCorrections, MaterialSummary, Normals, Share, Skipped, Summary};
 use crate::scene::{OutputSetup, Resolved};
 
 /// A body that stays inside may lose this part of its volume through open ends on a coarse mesh, by the scatter of its
@@ -143,6 +143,7 @@ impl Tally {
             positions_iterative: counts.iterative,
             evaluations_per_position: (counts.iterative > 0)
                 .then(|| counts.evaluations as f64 / counts.iterative as f64),
+            normals: Normals::from(counts),
             corrections: Corrections {
                 largest_fraction: largest.fraction,
                 largest_in_cell: if largest.fraction > 0.0 {

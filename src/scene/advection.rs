@@ -30,15 +30,23 @@ impl Default for ReconstructionSection {
 
 impl ReconstructionSection {
     pub(super) fn resolve(&self, context: Context<'_>) -> Result<Reconstruction, SceneError> {
-        let normals = [("youngs", NormalMethod::Youngs), ("youngs_logical", NormalMethod::YoungsLogical)];
-        let later = ["least_squares", "lvira", "elvira", "swartz", "slic", "mof", "myc"];
+        let normals = [
+            ("youngs", NormalMethod::Youngs),
+            ("youngs_logical", NormalMethod::YoungsLogical),
+            ("least_squares", NormalMethod::LeastSquares),
+            ("lvira", NormalMethod::Lvira),
+            ("elvira", NormalMethod::Elvira),
+            ("swartz", NormalMethod::Swartz),
+            ("slic", NormalMethod::Slic),
+            ("myc", NormalMethod::Myc),
+        ];
         let positions = [
             ("auto", PositionMethod::Auto),
             ("newton", PositionMethod::Newton),
             ("brent", PositionMethod::Brent),
         ];
         Ok(Reconstruction {
-            normal: context.word("the normal method", &self.normal, &normals, &later)?,
+            normal: context.word("the normal method", &self.normal, &normals, &["mof"])?,
             position: context.word("the position method", &self.position, &positions, &[])?,
         })
     }
