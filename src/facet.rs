@@ -13,6 +13,8 @@ pub struct Facet<const D: usize> {
     pub normal: Vector<D>,
     /// The plane constant `d` of the material's half-space `n.x <= d`, in the coordinates of the mesh.
     pub plane_constant: f64,
+    /// Whether the cells around determine the plane: see [`crate::normal::Direction::determined`].
+    pub determined: bool,
     /// Exact area (2D: length) of the section; its curved edges are sampled in `loops`, so that their area
     /// may differ slightly.
     pub area: f64,

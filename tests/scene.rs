@@ -140,7 +140,7 @@ fn errors_outside_of_what_was_set_point_at_the_file() {
 #[test]
 fn every_scene_passes_the_check_and_so_does_its_resolved_form() {
     let place = Place::new();
-    assert_eq!(scenes().len(), 14);
+    assert_eq!(scenes().len(), 20);
     for name in scenes() {
         let path = scene(&name);
         let small: &[&str] = if name.ends_with("3d") { &["--set", "mesh.cells=[10, 10, 20]"] } else { &[] };

@@ -1,13 +1,30 @@
 //! What a scene will do, without doing it.
 
-use vofkit_geometry::Cell;
+use vofkit_geometry::{Cell, Hexahedron, Quad};
 
 use crate::advection::{Boundary, End};
 use crate::mesh::{Mesh, axis_name};
 use crate::metrics::material_volume;
 use crate::report::table;
 use crate::run::{Plan, Schedule, output, prepare};
-use crate::scene::{Resolved, SceneError};
+use crate::scene::{Draft, MaterialSetup, Resolved, Scene, SceneError, Still, StillScene};
+
+/// Validates a scene and describes what a run does with it, or a reconstruction if nothing moves.
+///
+/// # Errors
+/// See [`report`] and [`still_report`].
+pub fn draft(draft: Draft) -> Result<String, SceneError> {
+    if draft.moves() {
+        return match draft.scene()? {
+            Scene::Plane(scene) => report::<Quad, 2>(&scene),
+            Scene::Space(scene) => report::<Hexahedron, 3>(&scene),
+        };
+    }
+    match draft.still()? {
+        StillScene::Plane(scene) => still_report::<Quad, 2>(&scene),
+        StillScene::Space(scene) => still_report::<Hexahedron, 3>(&scene),
+    }
+}
 
 /// Validates a scene and describes it: the scene as TOML with every default filled in, then, in comments, what a run
 /// computes, writes and skips.
@@ -28,22 +45,59 @@ pub fn report<C: Cell<D>, const D: usize>(scene: &Resolved<D>) -> Result<String,
         ("Courant number", courant(&plan)),
         ("boundary", boundary(&setup.boundary, scene.boundary.periodic)),
     ];
-    let (mixed, cells) = (crate::run::mixed_cells(&fractions), mesh.grid().len());
-    rows.push(("mixed cells", format!("{mixed} at the start; the other {} need no plane", cells - mixed)));
-    for (material, fractions) in scene.materials.iter().zip(&fractions) {
-        rows.push((
-            "material",
-            format!("\"{}\", volume {:.12e}", material.name, material_volume(&mesh, fractions)),
-        ));
-    }
+    rows.extend(contents(scene, &mesh, &fractions));
     rows.push(("files", output::names(scene, &schedule).join(" ")));
-    let skipped = crate::run::not_asked_for(&scene.output);
-    rows.push(("not written", if skipped.is_empty() { "-".to_owned() } else { skipped.join(", ") }));
+    rows.push(("not written", not_written(scene)));
     for note in crate::run::notes(scene, &mesh, &plan, &schedule) {
         rows.push(("note", note));
     }
-    let comments: String = table::lines(&rows).lines().map(|line| format!("# {line}\n")).collect();
-    Ok(format!("{}\n{comments}", scene.to_toml(&setup.boundary, &times)))
+    Ok(with_comments(&scene.to_toml(&setup.boundary, &times), &rows))
+}
+
+/// Validates a scene of which nothing moves and describes it, like [`report`].
+///
+/// # Errors
+/// Everything that would keep it from being reconstructed.
+pub fn still_report<C: Cell<D>, const D: usize>(scene: &Still<D>) -> Result<String, SceneError> {
+    let mesh: Mesh<C, D> = prepare::still_mesh(scene)?;
+    let fractions = prepare::fractions(scene, &mesh)?;
+    let mut rows = vec![
+        ("for", "vofkit reconstruct: nothing moves".to_owned()),
+        ("cells", mesh.grid().len().to_string()),
+        ("memory", format!("about {}", crate::run::megabytes(prepare::still_memory(scene)))),
+    ];
+    rows.extend(contents(scene, &mesh, &fractions));
+    rows.push(("files", output::still_names(scene).join(" ")));
+    rows.push(("not written", not_written(scene)));
+    rows.extend(crate::run::odd_cells(&mesh).map(|note| ("note", note)));
+    Ok(with_comments(&scene.to_toml(), &rows))
+}
+
+/// Mixed cells and materials.
+fn contents<C: Cell<D>, const D: usize>(
+    scene: &Still<D>,
+    mesh: &Mesh<C, D>,
+    fractions: &[Vec<f64>],
+) -> Vec<(&'static str, String)> {
+    let (mixed, cells) = (crate::run::mixed_cells(fractions), mesh.grid().len());
+    let mixed = format!("{mixed} at the start; the other {} need no plane", cells - mixed);
+    let material = |(material, fractions): (&MaterialSetup<D>, &Vec<f64>)| {
+        let volume = material_volume(mesh, fractions);
+        ("material", format!("\"{}\", volume {volume:.12e}", material.name))
+    };
+    std::iter::once(("mixed cells", mixed))
+        .chain(scene.materials.iter().zip(fractions).map(material))
+        .collect()
+}
+
+fn not_written<const D: usize>(scene: &Still<D>) -> String {
+    let skipped = crate::run::not_asked_for(&scene.output);
+    if skipped.is_empty() { "-".to_owned() } else { skipped.join(", ") }
+}
+
+fn with_comments(toml: &str, rows: &[(&str, String)]) -> String {
+    let comments: String = table::lines(rows).lines().map(|line| format!("# {line}\n")).collect();
+    format!("{toml}\n{comments}")
 }
 
 fn courant(plan: &Plan) -> String {

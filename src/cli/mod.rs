@@ -1,4 +1,4 @@
-//! The command line: `vofkit run`, `vofkit check`, `vofkit new`, `vofkit kernel`.
+//! The command line: `vofkit run`, `vofkit reconstruct`, `vofkit check`, `vofkit new`, `vofkit kernel`.
 //!
 //! - this file: the arguments and what they start;
 //! - [`check`]: what a scene will do, without doing it; [`template`]: scenes to start from;
@@ -14,15 +14,15 @@ pub mod template;
 pub mod terminal;
 pub mod threads;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{Args, Parser, Subcommand};
 use vofkit_geometry::{Hexahedron, Quad};
 
-use crate::report::{Summary, table};
+use crate::report::{still, table};
 use crate::run::{self, Progress, RunError, RunOptions, Silent};
-use crate::scene::Scene;
+use crate::scene::{Draft, Scene, StillScene};
 use template::Kind;
 use terminal::Failure;
 
@@ -40,23 +40,15 @@ pub struct Arguments {
 pub enum Command {
     /// Run a scene and write what it asks for.
     Run {
-        /// The scene file.
-        scene: PathBuf,
-        /// The output folder; `out/NAME` with the name of the scene unless it is given.
-        #[arg(long, value_name = "DIR")]
-        out: Option<PathBuf>,
-        /// Replace the results in an existing output folder.
-        #[arg(long)]
-        force: bool,
-        /// Share the work among N threads, one per processor unless it is given; the results do not depend on it.
-        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-        threads: Option<u16>,
-        /// Print nothing but errors.
-        #[arg(long)]
-        quiet: bool,
-        /// Set a value of the scene, such as `'mesh.cells=[32,32]'` or `material.0.name=water`; an empty value removes the key.
-        #[arg(long, value_name = "KEY=VALUE")]
-        set: Vec<String>,
+        /// What, to where and how.
+        #[command(flatten)]
+        work: Work,
+    },
+    /// Reconstruct the interface of a scene as it stands and write what it asks for; it needs no [velocity] and no [advection].
+    Reconstruct {
+        /// What, to where and how.
+        #[command(flatten)]
+        work: Work,
     },
     /// Validate a scene and print it with every default filled in, and what it will compute and skip.
     Check {
@@ -77,6 +69,45 @@ pub enum Command {
         #[command(subcommand)]
         question: kernel::Question,
     },
+}
+
+/// A scene, to where its results go, and how.
+#[derive(Debug, Args)]
+pub struct Work {
+    /// The scene file.
+    pub scene: PathBuf,
+    /// The output folder; `out/NAME` with the name of the scene unless it is given.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace the results in an existing output folder.
+    #[arg(long)]
+    pub force: bool,
+    /// Share the work among N threads, one per processor unless it is given; the results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Set a value of the scene, such as `'mesh.cells=[32,32]'` or `material.0.name=water`; an empty value removes the key.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+impl Work {
+    /// Does the work of the scene with this name, and prints the account of it.
+    fn go<T: Send>(
+        self,
+        name: &str,
+        work: impl FnOnce(&RunOptions, &mut dyn Progress) -> Result<T, RunError> + Send,
+        text: impl FnOnce(&T, &Path) -> String,
+    ) -> Result<(), Failure> {
+        let folder = self.out.unwrap_or_else(|| PathBuf::from("out").join(name));
+        let pool = threads::Pool::new(self.threads)?;
+        let options = RunOptions { folder, force: self.force, threads: pool.threads() };
+        let mut progress: Box<dyn Progress> = if self.quiet { Box::new(Silent) } else { progress::chosen() };
+        let summary = pool.install(|| work(&options, &mut *progress))?;
+        if self.quiet { Ok(()) } else { terminal::print(&text(&summary, &options.folder)) }
+    }
 }
 
 /// Reads the arguments of the process and does what they say.
@@ -104,38 +135,33 @@ pub fn main() -> ExitCode {
 /// A scene that cannot be run, a run or a table that failed, or a standard output that cannot be written.
 pub fn execute(command: Command) -> Result<(), Failure> {
     match command {
-        Command::Run { scene, out, force, threads, quiet, set } => {
-            let scene = Scene::load(scene, &set)?;
-            let folder = out.unwrap_or_else(|| PathBuf::from("out").join(scene.name()));
-            let pool = threads::Pool::new(threads)?;
-            let options = RunOptions { folder, force, threads: pool.threads() };
-            let mut progress: Box<dyn Progress> = if quiet { Box::new(Silent) } else { progress::chosen() };
-            let summary = pool.install(|| run_scene(&scene, &options, &mut *progress))?;
-            if quiet { Ok(()) } else { terminal::print(&table::summary(&summary, &options.folder)) }
-        }
-        Command::Check { scene, set } => {
-            let scene = Scene::load(scene, &set)?;
-            let checked = match &scene {
-                Scene::Plane(scene) => check::report::<Quad, 2>(scene),
-                Scene::Space(scene) => check::report::<Hexahedron, 3>(scene),
+        Command::Run { work } => {
+            let scene = Scene::load(&work.scene, &work.set)?;
+            let run = |options: &RunOptions, progress: &mut dyn Progress| match &scene {
+                Scene::Plane(scene) => run::run::<Quad, 2>(scene, options, progress),
+                Scene::Space(scene) => run::run::<Hexahedron, 3>(scene, options, progress),
             };
-            match checked {
-                Ok(text) => terminal::print(&text),
-                Err(error) => {
-                    let lines = error.details().iter().map(|line| format!("{line}\n"));
-                    terminal::print(&lines.collect::<String>())?;
-                    Err(error.into())
-                }
-            }
+            work.go(scene.name(), run, table::summary)
         }
+        Command::Reconstruct { work } => {
+            let scene = Draft::load(&work.scene, &work.set)?.still()?;
+            let reconstruct = |options: &RunOptions, progress: &mut dyn Progress| match &scene {
+                StillScene::Plane(scene) => run::still::reconstruct::<Quad, 2>(scene, options, progress),
+                StillScene::Space(scene) => {
+                    run::still::reconstruct::<Hexahedron, 3>(scene, options, progress)
+                }
+            };
+            work.go(scene.name(), reconstruct, still::text)
+        }
+        Command::Check { scene, set } => match check::draft(Draft::load(scene, &set)?) {
+            Ok(text) => terminal::print(&text),
+            Err(error) => {
+                let lines = error.details().iter().map(|line| format!("{line}\n"));
+                terminal::print(&lines.collect::<String>())?;
+                Err(error.into())
+            }
+        },
         Command::New { kind } => terminal::print(&template::text(kind)),
         Command::Kernel { question } => kernel::ask(question),
-    }
-}
-
-fn run_scene(scene: &Scene, options: &RunOptions, progress: &mut dyn Progress) -> Result<Summary, RunError> {
-    match scene {
-        Scene::Plane(scene) => run::run::<Quad, 2>(scene, options, progress),
-        Scene::Space(scene) => run::run::<Hexahedron, 3>(scene, options, progress),
     }
 }

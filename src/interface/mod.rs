@@ -7,6 +7,10 @@ use crate::mesh::{Grid, Mesh};
 use crate::normal::{Direction, Found, Material, NoNormal, NormalMethod};
 use crate::parallel;
 
+mod status;
+
+pub use status::CellStatus;
+
 /// How the interface is reconstructed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Reconstruction {
@@ -109,6 +113,11 @@ impl Counts {
     /// Cells without a normal, whatever the reason.
     pub fn no_normal(&self) -> usize {
         self.flat + self.isolated + self.balanced + self.no_centroid
+    }
+
+    /// Evaluations per plane constant by iteration; none without any.
+    pub fn evaluations_per_position(&self) -> Option<f64> {
+        (self.iterative > 0).then(|| self.evaluations as f64 / self.iterative as f64)
     }
 
     /// Adds other counts.
@@ -225,29 +234,29 @@ pub fn reconstruct<C: Cell<D>, const D: usize>(
         let mixed: Vec<usize> = (0..fractions.len()).filter(|&i| is_mixed(fractions[i])).collect();
         let placed = planes(Material { mesh, fractions, centroids: None }, &mixed, method)?;
         placed.iter().for_each(|placed| interface.counts.count(placed));
-        let facets = parallel::map(mixed.len(), |i| match &placed[i] {
-            Placed::NoNormal(_) => None,
-            Placed::Plane { half_space, .. } => Some(facet(mesh, mixed[i], material, half_space)),
-        });
+        let facets = parallel::map(mixed.len(), |i| facet(mesh, mixed[i], material, &placed[i]));
         interface.facets.extend(facets.into_iter().flatten());
     }
     Ok(interface)
 }
 
-fn facet<C: Cell<D>, const D: usize>(
+/// The piece of interface in a cell whose plane was placed; none where there is no plane.
+pub fn facet<C: Cell<D>, const D: usize>(
     mesh: &Mesh<C, D>,
     index: usize,
     material: usize,
-    local: &HalfSpace<D>,
-) -> Facet<D> {
+    placed: &Placed<D>,
+) -> Option<Facet<D>> {
+    let Placed::Plane { half_space: local, determined, .. } = placed else { return None };
     // Polygons are made in the coordinates of the mesh, so that neighbours agree on the points of a common face.
     let half_space = local.translated(&mesh.anchor(index));
-    Facet {
+    Some(Facet {
         cell: index,
         material,
         normal: half_space.normal,
         plane_constant: half_space.constant,
+        determined: *determined,
         area: mesh.local_cell(index).truncate(local).section_area,
         loops: mesh.cell(index).section(&half_space),
-    }
+    })
 }

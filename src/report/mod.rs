@@ -1,5 +1,7 @@
-//! What a run tells about itself: the content of `summary.json`, and [`table`] for people.
+//! What a run tells about itself: the content of `summary.json`, and [`table`] for people; [`still`] is the same for a
+//! reconstruction of which nothing moves.
 
+pub mod still;
 pub mod table;
 
 use serde::Serialize;

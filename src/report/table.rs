@@ -10,7 +10,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// The summary in a few aligned lines.
 pub fn summary(summary: &Summary, folder: &Path) -> String {
-    let cells = summary.cells_per_direction.iter().map(usize::to_string).collect::<Vec<_>>().join(" x ");
+    let cells = product(&summary.cells_per_direction);
     let positions = summary.positions_closed_form + summary.positions_iterative;
     let substeps = match summary.substeps {
         0 | 1 => String::new(),
@@ -93,6 +93,11 @@ fn row(material: &MaterialSummary) -> [String; 8] {
         format!("{:.1e}", 1.0 - material.fraction_max),
         material.fragments.to_string(),
     ]
+}
+
+/// Cells per direction, such as `30 x 30`.
+pub fn product(cells: &[usize]) -> String {
+    cells.iter().map(usize::to_string).collect::<Vec<_>>().join(" x ")
 }
 
 /// Names and values in two columns.

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use crate::scene::{Part, Resolved, SceneError};
+use crate::scene::{Part, SceneError, Still};
 
 /// Halvings in the search for how much memory there is; a percent is as much as anyone wants to know.
 const HALVINGS: usize = 7;
@@ -11,7 +11,7 @@ const HALVINGS: usize = 7;
 ///
 /// # Errors
 /// An error at mesh.cells with the memory that is needed and that there is.
-pub(super) fn check<const D: usize>(scene: &Resolved<D>, needed: u64) -> Result<(), SceneError> {
+pub(super) fn check<const D: usize>(scene: &Still<D>, needed: u64) -> Result<(), SceneError> {
     let unused = unused().unwrap_or(u64::MAX);
     let there = if reserves(needed) { unused } else { unused.min(reservable(needed)) };
     if there >= needed {

@@ -1,8 +1,9 @@
 //! Runs a scene: everything between a [`Resolved`] scene and the files in the output folder.
 //!
+//! - this file: runs; [`still`]: the interface as it stands, of a scene of which nothing moves;
 //! - [`prepare`]: mesh, fractions and transport, with the last errors of the scene; `memory`: whether they fit;
 //! - [`plan`]: the time steps;
-//! - `folder`, `history`, `output`, `series`: what is written; [`draw`]: pictures, of the meshes that have them;
+//! - `folder`, `history`, `output`, `series`, `planes`: what is written; [`draw`]: pictures, of the meshes that have them;
 //! - `exact`: the exact final state, where it is known; `tally`: running totals; `notes`: what one might not expect;
 //! - [`progress`]: who is told how far it is.
 
@@ -15,10 +16,12 @@ mod memory;
 mod notes;
 pub mod output;
 pub mod plan;
+mod planes;
 pub mod prepare;
 pub mod progress;
 #[cfg(feature = "vtk")]
 mod series;
+pub mod still;
 mod tally;
 
 use std::io::Write;
@@ -35,8 +38,8 @@ pub use progress::{Progress, Silent};
 use folder::{Folder, SUMMARY};
 use history::{HISTORY, History};
 pub(crate) use memory::megabytes;
-pub(crate) use notes::notes;
-use output::Output;
+pub(crate) use notes::{notes, odd_cells};
+use output::{Beside, Output};
 use tally::Tally;
 pub(crate) use tally::{mixed_cells, not_asked_for};
 
@@ -120,7 +123,7 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
             true => Some(History::create(self.folder, &scene.material_names(), &tally.first_line())?),
             false => None,
         };
-        let mut output = Output::new(scene, self.setup.velocity, self.folder.to_owned());
+        let mut output = Output::new(scene, Beside::Velocity(self.setup.velocity), self.folder.to_owned());
         if let Err(error) = self.write(&mut output, &schedule, 0, &fractions) {
             output.discard();
             return Err(error);

@@ -7,6 +7,13 @@ use super::plan::Plan;
 use crate::mesh::Mesh;
 use crate::scene::{Resolved, ReversalSetup};
 
+/// What is odd about cells, if anything is.
+pub(crate) fn odd_cells<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>) -> Option<String> {
+    let first = mesh.notices().first()?;
+    let (count, cell) = (mesh.notices().len(), &first.cell);
+    Some(format!("{count} odd but legal cells, such as {cell:?}: {}", first.defect))
+}
+
 /// What a run of the scene does not do although the scene says so, and what is odd about its mesh.
 pub(crate) fn notes<C: Cell<D>, const D: usize>(
     scene: &Resolved<D>,
@@ -14,11 +21,7 @@ pub(crate) fn notes<C: Cell<D>, const D: usize>(
     plan: &Plan,
     schedule: &Schedule,
 ) -> Vec<String> {
-    let mut notes = Vec::new();
-    if let Some(first) = mesh.notices().first() {
-        let (count, cell) = (mesh.notices().len(), &first.cell);
-        notes.push(format!("{count} odd but legal cells, such as {cell:?}: {}", first.defect));
-    }
+    let mut notes: Vec<String> = odd_cells(mesh).into_iter().collect();
     for time in &schedule.after_end {
         notes.push(format!("the output time {time} is after the end and will not be reached"));
     }

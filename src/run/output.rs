@@ -6,12 +6,13 @@ use super::draw::{Draw, View};
 use super::folder::SUMMARY;
 use super::history::HISTORY;
 use super::plan::Plan;
+use super::planes::CellPlanes;
 #[cfg(feature = "vtk")]
 use super::series::Series;
 use crate::export::ExportError;
 use crate::facet::Facet;
 use crate::mesh::Mesh;
-use crate::scene::{OutputSetup, Resolved};
+use crate::scene::{OutputSetup, Resolved, Still};
 use crate::velocity::Velocity;
 
 /// Stems and extensions of the files of a state.
@@ -55,14 +56,7 @@ impl Schedule {
 /// The names of the files that a run of the scene writes, its summary included.
 pub fn names<const D: usize>(scene: &Resolved<D>, schedule: &Schedule) -> Vec<String> {
     let output = &scene.output;
-    let mut names = Vec::new();
-    for number in 0..schedule.steps().len() {
-        let asked = STATES.iter().zip([output.obj, output.fields, output.vtk]).filter(|(_, asked)| *asked);
-        names.extend(asked.map(|((stem, extension), _)| state_file(stem, number, extension)));
-    }
-    if !schedule.steps().is_empty() && (output.fields || output.vtk) {
-        names.push(series_file(&scene.name));
-    }
+    let mut names = states(output, schedule.steps().len(), &scene.name);
     if output.picture {
         names.extend([FIRST, LAST].map(picture_file));
     }
@@ -70,6 +64,30 @@ pub fn names<const D: usize>(scene: &Resolved<D>, schedule: &Schedule) -> Vec<St
         names.push(HISTORY.to_owned());
     }
     names.push(SUMMARY.to_owned());
+    names
+}
+
+/// The names of the files of a reconstruction of which nothing moves, its summary included.
+pub fn still_names<const D: usize>(scene: &Still<D>) -> Vec<String> {
+    let output = &scene.output;
+    let mut names = states(output, 1, &scene.name);
+    if output.picture {
+        names.push(picture_file(FIRST));
+    }
+    names.push(SUMMARY.to_owned());
+    names
+}
+
+/// The names of the files of a number of states.
+fn states(output: &OutputSetup, count: usize, scene: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    for number in 0..count {
+        let asked = STATES.iter().zip([output.obj, output.fields, output.vtk]).filter(|(_, asked)| *asked);
+        names.extend(asked.map(|((stem, extension), _)| state_file(stem, number, extension)));
+    }
+    if count > 0 && (output.fields || output.vtk) {
+        names.push(series_file(scene));
+    }
     names
 }
 
@@ -85,9 +103,17 @@ pub(super) fn picture_file(when: &str) -> String {
     format!("picture_{when}.svg")
 }
 
+/// What the fields show besides the fractions.
+pub(super) enum Beside<const D: usize> {
+    /// The velocity.
+    Velocity(Velocity),
+    /// The planes of the materials; none if there are no fields.
+    Planes(Vec<CellPlanes<D>>),
+}
+
 /// Writes the state of a run.
 pub(super) struct Output<'a, const D: usize> {
-    scene: &'a Resolved<D>,
+    scene: &'a Still<D>,
     names: Vec<String>,
     folder: PathBuf,
     #[cfg(feature = "vtk")]
@@ -100,13 +126,13 @@ pub(super) struct Output<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Output<'a, D> {
-    #[cfg_attr(not(feature = "vtk"), expect(unused_variables, reason = "only fields show the velocity"))]
-    pub(super) fn new(scene: &'a Resolved<D>, velocity: Velocity, folder: PathBuf) -> Self {
+    #[cfg_attr(not(feature = "vtk"), expect(unused_variables, reason = "only fields show it"))]
+    pub(super) fn new(scene: &'a Still<D>, beside: Beside<D>, folder: PathBuf) -> Self {
         Self {
             scene,
             names: scene.material_names(),
             #[cfg(feature = "vtk")]
-            series: Series::new(scene, velocity, &folder),
+            series: Series::new(scene, beside, &folder),
             folder,
             written: 0,
             files: Vec::new(),

@@ -10,7 +10,7 @@ use crate::advection::{
 use crate::fractions::volume_fractions;
 use crate::mesh::{Grid, Mesh, MeshError, MeshMotion, MeshPath, MotionError, MotionRates, axis_name};
 use crate::metrics::material_volume;
-use crate::scene::{Part, Resolved, SceneError, Stepping};
+use crate::scene::{Part, Resolved, SceneError, Stepping, Still};
 use crate::shape::Shape;
 use crate::space::spatial;
 use crate::velocity::{FaceFluxes, Reversal, Velocity};
@@ -59,6 +59,19 @@ pub struct Setup<'a, C, const D: usize> {
 /// More memory than there is, cells that cannot be used, all of them in [`SceneError::details`], and amplitudes out of range.
 pub fn mesh<C: Cell<D>, const D: usize>(scene: &Resolved<D>) -> Result<Mesh<C, D>, SceneError> {
     memory::check(scene, memory(scene))?;
+    made(scene)
+}
+
+/// The mesh of a scene of which nothing moves.
+///
+/// # Errors
+/// As [`mesh`].
+pub fn still_mesh<C: Cell<D>, const D: usize>(scene: &Still<D>) -> Result<Mesh<C, D>, SceneError> {
+    memory::check(scene, still_memory(scene))?;
+    made(scene)
+}
+
+fn made<C: Cell<D>, const D: usize>(scene: &Still<D>) -> Result<Mesh<C, D>, SceneError> {
     let setup = &scene.mesh;
     let grid = Grid::new(setup.cells, scene.boundary.periodic);
     Mesh::new(grid, setup.lower, setup.upper, &setup.distortion).map_err(|error| match error {
@@ -92,7 +105,7 @@ pub fn mesh<C: Cell<D>, const D: usize>(scene: &Resolved<D>) -> Result<Mesh<C, D
 /// # Errors
 /// A material of which there is nothing in the domain, unless the scene allows it.
 pub fn fractions<C: Cell<D>, const D: usize>(
-    scene: &Resolved<D>,
+    scene: &Still<D>,
     mesh: &Mesh<C, D>,
 ) -> Result<Vec<Vec<f64>>, SceneError> {
     let shapes: Vec<Shape<D>> = scene.materials.iter().map(|material| material.shape.clone()).collect();
@@ -289,6 +302,20 @@ pub fn memory<const D: usize>(scene: &Resolved<D>) -> u64 {
         band *= 3;
         values += if distorted { 2 } else { 0 };
     }
-    let cells = scene.mesh.cells.iter().fold(1_u64, |cells, &count| cells.saturating_mul(count as u64));
-    cells.saturating_mul(values * number + band)
+    cells(scene).saturating_mul(values * number + band)
+}
+
+/// About how many bytes of memory the reconstruction of a scene takes.
+pub fn still_memory<const D: usize>(scene: &Still<D>) -> u64 {
+    let [dimension, materials] = [D, scene.materials.len()].map(|count| count as u64);
+    // Nodes, volumes, fractions, which are there twice at times, and lists of defects; then normals, plane constants, areas, status.
+    let mut values = dimension + 1 + 2 * materials + if scene.mesh.distortion.is_none() { 0 } else { 3 };
+    if scene.output.fields {
+        values += (dimension + 3) * materials;
+    }
+    cells(scene).saturating_mul(values * size_of::<f64>() as u64)
+}
+
+fn cells<const D: usize>(scene: &Still<D>) -> u64 {
+    scene.mesh.cells.iter().fold(1_u64, |cells, &count| cells.saturating_mul(count as u64))
 }

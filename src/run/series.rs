@@ -4,29 +4,29 @@ use std::path::{Path, PathBuf};
 
 use vofkit_geometry::{Cell, Vector};
 
-use super::output::{series_file, state_file};
+use super::output::{Beside, series_file, state_file};
 use crate::export::ExportError;
 use crate::export::vtk::{CellArray, Collection, fraction_arrays, write_poly_data, write_structured_grid};
 use crate::facet::Facet;
 use crate::mesh::Mesh;
 use crate::parallel;
-use crate::scene::Resolved;
+use crate::scene::Still;
 use crate::space::spatial;
 use crate::velocity::Velocity;
 
 /// The VTK files of a run.
 pub(super) struct Series<'a, const D: usize> {
-    scene: &'a Resolved<D>,
-    velocity: Velocity,
+    scene: &'a Still<D>,
+    beside: Beside<D>,
     folder: PathBuf,
     collection: Collection,
     names: Vec<String>,
 }
 
 impl<'a, const D: usize> Series<'a, D> {
-    pub(super) fn new(scene: &'a Resolved<D>, velocity: Velocity, folder: &Path) -> Self {
+    pub(super) fn new(scene: &'a Still<D>, beside: Beside<D>, folder: &Path) -> Self {
         let collection = Collection::new(folder.join(series_file(&scene.name)));
-        Self { scene, velocity, folder: folder.to_owned(), collection, names: scene.material_names() }
+        Self { scene, beside, folder: folder.to_owned(), collection, names: scene.material_names() }
     }
 
     /// Writes the state number `number`, as far as the scene asks for it, and adds the names of the files.
@@ -41,9 +41,18 @@ impl<'a, const D: usize> Series<'a, D> {
     ) -> Result<(), ExportError> {
         let mut parts = Vec::new();
         if self.scene.output.fields {
-            let velocities = self.cell_velocities(mesh, time);
             let mut arrays = fraction_arrays(&self.names, fractions);
-            arrays.push(CellArray::vector("U", &velocities));
+            let velocities;
+            match &self.beside {
+                Beside::Velocity(velocity) => {
+                    velocities = cell_velocities(mesh, velocity, time);
+                    arrays.push(CellArray::vector("U", &velocities));
+                }
+                Beside::Planes(planes) => {
+                    let each = planes.iter().zip(&self.names);
+                    arrays.extend(each.flat_map(|(planes, material)| planes.arrays(material)));
+                }
+            }
             let name = state_file("fields", number, "vts");
             write_structured_grid(self.folder.join(&name), mesh, &arrays)?;
             files.push(name.clone());
@@ -65,14 +74,18 @@ impl<'a, const D: usize> Series<'a, D> {
         }
         Ok(())
     }
+}
 
-    /// Velocities in the middle of all cells at one time.
-    fn cell_velocities<C: Cell<D>>(&self, mesh: &Mesh<C, D>, time: f64) -> Vec<Vector<D>> {
-        let amplitude = self.velocity.amplitude(time);
-        parallel::map(mesh.grid().len(), |index| {
-            let middle = mesh.cell(index).map(&Vector::repeat(0.5));
-            let velocity = self.velocity.field.velocity(&spatial(&middle)) * amplitude;
-            Vector::from_fn(|k, _| velocity[k])
-        })
-    }
+/// Velocities in the middle of all cells at one time.
+fn cell_velocities<C: Cell<D>, const D: usize>(
+    mesh: &Mesh<C, D>,
+    velocity: &Velocity,
+    time: f64,
+) -> Vec<Vector<D>> {
+    let amplitude = velocity.amplitude(time);
+    parallel::map(mesh.grid().len(), |index| {
+        let middle = mesh.cell(index).map(&Vector::repeat(0.5));
+        let velocity = velocity.field.velocity(&spatial(&middle)) * amplitude;
+        Vector::from_fn(|k, _| velocity[k])
+    })
 }

@@ -141,8 +141,7 @@ impl Tally {
             cells_reconstructed: planes,
             positions_closed_form: counts.closed_form,
             positions_iterative: counts.iterative,
-            evaluations_per_position: (counts.iterative > 0)
-                .then(|| counts.evaluations as f64 / counts.iterative as f64),
+            evaluations_per_position: counts.evaluations_per_position(),
             normals: Normals::from(counts),
             corrections: Corrections {
                 largest_fraction: largest.fraction,

@@ -29,6 +29,10 @@ impl Default for ReconstructionSection {
 }
 
 impl ReconstructionSection {
+    pub(super) fn normal_word(&self) -> &str {
+        self.normal.get_ref()
+    }
+
     pub(super) fn resolve(&self, context: Context<'_>) -> Result<Reconstruction, SceneError> {
         let normals = [
             ("youngs", NormalMethod::Youngs),

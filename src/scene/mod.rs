@@ -20,7 +20,7 @@ mod shape;
 mod velocity;
 mod wording;
 
-use std::ops::Range;
+use std::ops::{Deref, Range};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -54,29 +54,61 @@ pub enum Scene {
     Space(Box<Resolved<3>>),
 }
 
-/// A scene in the words of the toolkit, every default filled in.
+/// A scene of which nothing moves, in two or three dimensions.
 #[derive(Clone, Debug)]
-pub struct Resolved<const D: usize> {
+pub enum StillScene {
+    /// On quadrilaterals.
+    Plane(Box<Still<2>>),
+    /// On hexahedra.
+    Space(Box<Still<3>>),
+}
+
+/// What a scene says of one instant, in the words of the toolkit, every default filled in.
+#[derive(Clone, Debug)]
+pub struct Still<const D: usize> {
     /// The name; that of the output folder too.
     pub name: String,
     /// The mesh.
     pub mesh: MeshSetup<D>,
     /// The materials, the first one on top.
     pub materials: Vec<MaterialSetup<D>>,
-    /// The velocity of the material at full amplitude; zero where the mesh moves and the material rests.
-    pub field: Field,
-    /// How it changes in time.
-    pub reversal: ReversalSetup,
     /// The boundary.
     pub boundary: BoundarySetup<D>,
     /// The interface reconstruction.
     pub reconstruction: Reconstruction,
-    /// The advection.
-    pub advection: AdvectionSetup,
     /// What is written.
     pub output: OutputSetup,
     file: SceneFile,
     source: Source,
+}
+
+/// A whole scene: that of its start, which it dereferences to, and what moves it.
+#[derive(Clone, Debug)]
+pub struct Resolved<const D: usize> {
+    /// The start.
+    pub still: Still<D>,
+    /// The velocity at full amplitude.
+    pub field: Field,
+    /// How it changes in time.
+    pub reversal: ReversalSetup,
+    /// The advection.
+    pub advection: AdvectionSetup,
+}
+
+impl<const D: usize> Deref for Resolved<D> {
+    type Target = Still<D>;
+
+    fn deref(&self) -> &Still<D> {
+        &self.still
+    }
+}
+
+/// A scene file that was read, and not yet taken apart.
+#[derive(Clone, Debug)]
+pub struct Draft {
+    file: SceneFile,
+    source: Source,
+    dimension: usize,
 }
 
 /// A material and where it is at the start.
@@ -145,11 +177,11 @@ pub(crate) enum Part {
     Steps,
 }
 
-impl Scene {
+impl Draft {
     /// Reads a scene file and sets the values of `key=value` in it.
     ///
     /// # Errors
-    /// Everything that can be found wrong without making the mesh.
+    /// A file that cannot be read or is no scene.
     pub fn load(path: impl AsRef<Path>, settings: &[String]) -> Result<Self, SceneError> {
         let path = path.as_ref();
         let fallback = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("scene");
@@ -159,7 +191,7 @@ impl Scene {
     /// Reads the text of a scene; `file` is the name that errors show, `fallback` that of a scene without a name.
     ///
     /// # Errors
-    /// As [`Scene::load`].
+    /// As [`Draft::load`].
     pub fn parse(file: &str, fallback: &str, text: &str, settings: &[String]) -> Result<Self, SceneError> {
         let mut source = Source::new(file, text);
         if !settings.is_empty() {
@@ -171,10 +203,54 @@ impl Scene {
         let name = read.name.get_or_insert_with(|| default(fallback.to_owned()));
         let context = Context { source: &source };
         check_name("the scene", name, context)?;
-        match read.mesh.get_ref().dimension(context)? {
-            2 => Resolved::new(read, source).map(|scene| Self::Plane(Box::new(scene))),
-            _ => Resolved::new(read, source).map(|scene| Self::Space(Box::new(scene))),
-        }
+        let dimension = read.mesh.get_ref().dimension(context)?;
+        Ok(Self { file: read, source, dimension })
+    }
+
+    /// Whether the scene says anything of what moves.
+    pub fn moves(&self) -> bool {
+        let SceneFile { velocity, mesh, advection, .. } = &self.file;
+        velocity.is_some() || mesh.get_ref().motion.is_some() || !advection.span().is_empty()
+    }
+
+    /// The start of the scene; what moves it is not looked at.
+    ///
+    /// # Errors
+    /// Everything that can be found wrong without making the mesh.
+    pub fn still(self) -> Result<StillScene, SceneError> {
+        Ok(match self.dimension {
+            2 => StillScene::Plane(Box::new(Still::new(self.file, self.source)?)),
+            _ => StillScene::Space(Box::new(Still::new(self.file, self.source)?)),
+        })
+    }
+
+    /// The whole scene.
+    ///
+    /// # Errors
+    /// As [`Draft::still`], and a scene without a velocity.
+    pub fn scene(self) -> Result<Scene, SceneError> {
+        Ok(match self.dimension {
+            2 => Scene::Plane(Box::new(Resolved::new(Still::new(self.file, self.source)?)?)),
+            _ => Scene::Space(Box::new(Resolved::new(Still::new(self.file, self.source)?)?)),
+        })
+    }
+}
+
+impl Scene {
+    /// Reads a scene file and sets the values of `key=value` in it.
+    ///
+    /// # Errors
+    /// Everything that can be found wrong without making the mesh.
+    pub fn load(path: impl AsRef<Path>, settings: &[String]) -> Result<Self, SceneError> {
+        Draft::load(path, settings)?.scene()
+    }
+
+    /// Reads the text of a scene; `file` is the name that errors show, `fallback` that of a scene without a name.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn parse(file: &str, fallback: &str, text: &str, settings: &[String]) -> Result<Self, SceneError> {
+        Draft::parse(file, fallback, text, settings)?.scene()
     }
 
     /// The name of the scene.
@@ -191,7 +267,11 @@ impl SceneFile {
     fn check_mode(&self, mode: Mode, context: Context<'_>) -> Result<(), SceneError> {
         let place = self.advection.get_ref().mode_place();
         match (mode, &self.velocity, &self.mesh.get_ref().motion) {
-            (Mode::Flow, None, _) => Err(context.error(0..0, "missing key `velocity`", TEMPLATE_HELP)),
+            (Mode::Flow, None, _) => Err(context.error(
+                0..0,
+                "missing key `velocity`: nothing moves",
+                "add a [velocity] section with a field, or write the interface as it is by `vofkit reconstruct`",
+            )),
             (Mode::Flow, Some(_), Some(motion)) => Err(context.error(
                 motion.span(),
                 "the mesh moves, but advection.mode is \"flow\", in which it stands still",
@@ -212,14 +292,20 @@ impl SceneFile {
     }
 }
 
+impl StillScene {
+    /// The name of the scene.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Plane(scene) => &scene.name,
+            Self::Space(scene) => &scene.name,
+        }
+    }
+}
+
 impl<const D: usize> Resolved<D> {
-    fn new(mut file: SceneFile, source: Source) -> Result<Self, SceneError> {
-        let context = Context { source: &source };
-        let mesh = file.mesh.get_mut().resolve(context)?;
-        let materials = materials::<D>(&file, context)?;
-        let names: Vec<String> = materials.iter().map(|material| material.name.clone()).collect();
-        let boundary = file.boundary.resolve(&names, context)?;
-        let reconstruction = file.reconstruction.resolve(context)?;
+    fn new(mut still: Still<D>) -> Result<Self, SceneError> {
+        let Still { file, source, .. } = &mut still;
+        let context = Context { source };
         file.advection.get_mut().place = file.advection.span();
         let advection = file.advection.get_mut().resolve(context)?;
         file.check_mode(advection.mode, context)?;
@@ -227,21 +313,40 @@ impl<const D: usize> Resolved<D> {
             Some(velocity) => velocity.resolve::<D>(context)?,
             None => (Field::Uniform { velocity: Vector::<3>::zeros() }, ReversalSetup::None),
         };
+        Ok(Self { still, field, reversal, advection })
+    }
+
+    /// The scene as TOML with every default filled in; `boundary` is what the ends turned out to be, `times` when output
+    /// is written.
+    pub fn to_toml(&self, boundary: &Boundary<D>, times: &[f64]) -> String {
+        let mut file = self.file.clone();
+        file.boundary.fill(self.boundary.periodic, boundary);
+        file.output.times.get_or_insert_with(|| default(times.to_vec()));
+        file.to_toml(true)
+    }
+}
+
+impl<const D: usize> Still<D> {
+    fn new(mut file: SceneFile, source: Source) -> Result<Self, SceneError> {
+        let context = Context { source: &source };
+        let mesh = file.mesh.get_mut().resolve(context)?;
+        let materials = materials::<D>(&file, context)?;
+        let names: Vec<String> = materials.iter().map(|material| material.name.clone()).collect();
+        let boundary = file.boundary.resolve(&names, context)?;
+        let reconstruction = file.reconstruction.resolve(context)?;
         let output = file.output.resolve(D, context)?;
         let name = file.name.as_ref().map(|name| name.get_ref().clone()).unwrap_or_default();
-        Ok(Self {
-            name,
-            mesh,
-            materials,
-            field,
-            reversal,
-            boundary,
-            reconstruction,
-            advection,
-            output,
-            file,
-            source,
-        })
+        Ok(Self { name, mesh, materials, boundary, reconstruction, output, file, source })
+    }
+
+    /// The scene as TOML with every default filled in, but for the advection.
+    pub fn to_toml(&self) -> String {
+        self.file.to_toml(false)
+    }
+
+    /// The normal method as scene files write it.
+    pub fn normal_word(&self) -> &str {
+        self.file.reconstruction.normal_word()
     }
 
     /// The names of the materials.
@@ -284,14 +389,15 @@ impl<const D: usize> Resolved<D> {
             Part::Steps => advection.steps_place(),
         }
     }
+}
 
-    /// The scene as TOML with every default filled in; `boundary` is what the ends turned out to be, `times` when output
-    /// is written.
-    pub fn to_toml(&self, boundary: &Boundary<D>, times: &[f64]) -> String {
-        let mut file = self.file.clone();
-        file.boundary.fill(self.boundary.periodic, boundary);
-        file.output.times.get_or_insert_with(|| default(times.to_vec()));
-        let Ok(mut document) = toml_edit::ser::to_document(&file) else { return String::new() };
+impl SceneFile {
+    /// The sections as TOML, with or without the one of the advection.
+    fn to_toml(&self, with_advection: bool) -> String {
+        let Ok(mut document) = toml_edit::ser::to_document(self) else { return String::new() };
+        if !with_advection {
+            document.remove("advection");
+        }
         for (_, item) in document.iter_mut() {
             // Sections become tables of their own; what is inside them stays on one line.
             let value = std::mem::take(item);

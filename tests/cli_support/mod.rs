@@ -22,6 +22,20 @@ pub(crate) fn scenes() -> Vec<String> {
     names
 }
 
+/// The names of the scenes of the repository in which something moves.
+pub(crate) fn moving_scenes() -> Vec<String> {
+    scenes().into_iter().filter(|name| moves(name)).collect()
+}
+
+/// The names of the other ones.
+pub(crate) fn still_scenes() -> Vec<String> {
+    scenes().into_iter().filter(|name| !moves(name)).collect()
+}
+
+fn moves(name: &str) -> bool {
+    fs::read_to_string(scene(name)).unwrap().contains("[advection]")
+}
+
 /// A folder in which `vofkit` is run.
 pub(crate) struct Place {
     folder: TempDir,
@@ -64,8 +78,17 @@ impl Place {
 
     /// Runs a scene of the repository into `out`, and reads its summary.
     pub(crate) fn run(&self, name: &str, out: &str, settings: &[&str]) -> Value {
+        self.go("run", name, out, settings)
+    }
+
+    /// Reconstructs a scene of the repository into `out`, and reads the summary.
+    pub(crate) fn reconstruct(&self, name: &str, out: &str, settings: &[&str]) -> Value {
+        self.go("reconstruct", name, out, settings)
+    }
+
+    fn go(&self, command: &str, name: &str, out: &str, settings: &[&str]) -> Value {
         let path = scene(name);
-        let mut arguments = vec!["run", path.to_str().unwrap(), "--out", out, "--force", "--quiet"];
+        let mut arguments = vec![command, path.to_str().unwrap(), "--out", out, "--force", "--quiet"];
         for setting in settings {
             arguments.extend(["--set", setting]);
         }
@@ -111,6 +134,11 @@ pub(crate) fn assert_sound(place: &Place, out: &str, summary: &Value) {
     }
     let divergence = number(&summary["max_divergence"]);
     assert!(divergence <= 1e-12, "{out}: divergence {divergence}");
+    assert_files(place, out, summary);
+}
+
+/// The files in a folder are those that the summary names.
+pub(crate) fn assert_files(place: &Place, out: &str, summary: &Value) {
     let mut files: Vec<&str> =
         summary["files"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
     files.sort_unstable();

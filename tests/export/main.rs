@@ -43,7 +43,15 @@ fn facet<const D: usize>(cell: usize, material: usize, loops: Vec<Vec<[f64; D]>>
     let mut normal = Vector::zeros();
     normal[D - 1] = 1.0;
     let loops = loops.into_iter().map(|points| points.into_iter().map(Vector::from).collect()).collect();
-    Facet { cell, material, normal, plane_constant: 0.1, area: 3.0 + cell as f64 / 3.0, loops }
+    Facet {
+        cell,
+        material,
+        normal,
+        plane_constant: 0.1,
+        determined: material == 0,
+        area: 3.0 + cell as f64 / 3.0,
+        loops,
+    }
 }
 
 /// A segment, two segments in one cell, and a facet without points.

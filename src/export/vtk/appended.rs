@@ -21,9 +21,13 @@ impl<'a> Values<'a> {
         Self::Float(Box::new(values))
     }
 
+    pub(super) fn int(values: impl Iterator<Item = i64> + 'a) -> Self {
+        Self::Int(Box::new(values))
+    }
+
     /// Indices; those beyond the range of VTK (2^63) are limited to it.
     pub(super) fn index(values: impl Iterator<Item = usize> + 'a) -> Self {
-        Self::Int(Box::new(values.map(|value| i64::try_from(value).unwrap_or(i64::MAX))))
+        Self::int(values.map(|value| i64::try_from(value).unwrap_or(i64::MAX)))
     }
 }
 

@@ -8,10 +8,12 @@ use super::appended::{Document, Values};
 use super::components;
 use crate::export::{ExportError, write_file};
 use crate::facet::Facet;
+use crate::interface::CellStatus;
 use crate::space::spatial;
 
 /// Writes interface facets as VTK poly data: polygons in 3D, lines in 2D, with `cell` and `material`
-/// (indices), `normal` (three components) and `area` as cell data.
+/// (indices), `normal` (three components), `plane_constant`, `area` and `status` (the number of [`CellStatus::Plane`] or
+/// [`CellStatus::Undetermined`]) as cell data.
 ///
 /// Each loop of a facet is a polygon. A facet with one loop has its exact [`Facet::area`]; several loops
 /// share it in proportion to the areas of their polygons, so that the areas in the file add up to the
@@ -64,8 +66,15 @@ pub fn write_poly_data<const D: usize>(
         count,
         Values::float(polygons().flat_map(|(facet, _)| components(&facet.normal))),
     );
+    let constants = polygons().map(|(facet, _)| facet.plane_constant);
+    document.array("plane_constant", 1, count, Values::float(constants));
     document.array("area", 1, count, Values::float(facets.iter().flat_map(areas)));
+    document.array("status", 1, count, Values::int(polygons().map(|(facet, _)| status(facet).code())));
     write_file(path, |writer| document.write(writer))
+}
+
+fn status<const D: usize>(facet: &Facet<D>) -> CellStatus {
+    if facet.determined { CellStatus::Plane } else { CellStatus::Undetermined }
 }
 
 /// The loops that have points.

@@ -14,6 +14,8 @@ use crate::mesh::Mesh;
 pub enum CellValues<'a, const D: usize> {
     /// Numbers.
     Scalar(&'a [f64]),
+    /// Whole numbers.
+    Whole(&'a [i64]),
     /// Vectors, written with three components.
     Vector(&'a [Vector<D>]),
 }
@@ -31,6 +33,11 @@ impl<'a, const D: usize> CellArray<'a, D> {
     /// One number per cell.
     pub fn scalar(name: impl Into<String>, values: &'a [f64]) -> Self {
         Self { name: name.into(), values: CellValues::Scalar(values) }
+    }
+
+    /// One whole number per cell.
+    pub fn whole(name: impl Into<String>, values: &'a [i64]) -> Self {
+        Self { name: name.into(), values: CellValues::Whole(values) }
     }
 
     /// One vector per cell.
@@ -62,6 +69,7 @@ pub fn write_structured_grid<C: Cell<D>, const D: usize>(
     for CellArray { name, values } in arrays {
         let found = match values {
             CellValues::Scalar(values) => values.len(),
+            CellValues::Whole(values) => values.len(),
             CellValues::Vector(values) => values.len(),
         };
         check_length(path, name, found, cells)?;
@@ -79,6 +87,9 @@ pub fn write_structured_grid<C: Cell<D>, const D: usize>(
         match *values {
             CellValues::Scalar(values) => {
                 document.array(name, 1, cells, Values::float(values.iter().copied()));
+            }
+            CellValues::Whole(values) => {
+                document.array(name, 1, cells, Values::int(values.iter().copied()));
             }
             CellValues::Vector(values) => {
                 document.array(name, 3, cells, Values::float(values.iter().flat_map(components)));

@@ -1,0 +1,53 @@
+//! The planes of all materials on all cells, as fields show them.
+
+use vofkit_geometry::Vector;
+
+#[cfg(feature = "vtk")]
+use crate::export::vtk::CellArray;
+use crate::facet::Facet;
+use crate::interface::{CellStatus, Placed};
+
+/// The planes of one material by cell index. Where there is no plane the normal and the area are zero, the plane constant is not a
+/// number, and the status says why.
+#[derive(Clone, Debug)]
+#[cfg_attr(not(feature = "vtk"), expect(dead_code, reason = "only fields show it"))]
+pub(super) struct CellPlanes<const D: usize> {
+    normals: Vec<Vector<D>>,
+    constants: Vec<f64>,
+    areas: Vec<f64>,
+    status: Vec<i64>,
+}
+
+impl<const D: usize> CellPlanes<D> {
+    /// From the material's fractions, what the reconstruction gave in its mixed cells, and its facets.
+    pub(super) fn new(fractions: &[f64], mixed: &[usize], placed: &[Placed<D>], facets: &[Facet<D>]) -> Self {
+        let cells = fractions.len();
+        let mut planes = Self {
+            normals: vec![Vector::zeros(); cells],
+            constants: vec![f64::NAN; cells],
+            areas: vec![0.0; cells],
+            status: fractions.iter().map(|&f| CellStatus::of_pure(f).code()).collect(),
+        };
+        for (&cell, placed) in mixed.iter().zip(placed) {
+            planes.status[cell] = CellStatus::from(placed).code();
+        }
+        for facet in facets {
+            planes.normals[facet.cell] = facet.normal;
+            planes.constants[facet.cell] = facet.plane_constant;
+            planes.areas[facet.cell] = facet.area;
+        }
+        planes
+    }
+
+    /// As arrays `normal.<material>`, `plane_constant.<material>`, `area.<material>` and `status.<material>`.
+    #[cfg(feature = "vtk")]
+    pub(super) fn arrays(&self, material: &str) -> [CellArray<'_, D>; 4] {
+        let name = |what: &str| format!("{what}.{material}");
+        [
+            CellArray::vector(name("normal"), &self.normals),
+            CellArray::scalar(name("plane_constant"), &self.constants),
+            CellArray::scalar(name("area"), &self.areas),
+            CellArray::whole(name("status"), &self.status),
+        ]
+    }
+}

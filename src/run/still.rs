@@ -1,0 +1,175 @@
+//! The interface of a scene as it stands: fractions, planes and files; nothing moves.
+
+use std::io::Write;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use super::draw::Draw;
+use super::folder::{Folder, SUMMARY};
+use super::notes::odd_cells;
+use super::output::{Beside, FIRST, Output};
+use super::planes::CellPlanes;
+use super::prepare;
+use super::progress::Progress;
+use super::tally::{mixed_cells, not_asked_for};
+use super::{RunError, RunOptions};
+use crate::export::write_file;
+use crate::facet::Facet;
+use crate::interface::{Counts, ReconstructionError, check_fractions, facet, is_mixed, planes};
+use crate::mesh::Mesh;
+use crate::metrics::{facet_gap_mean, material_volume};
+use crate::normal::Material;
+use crate::parallel;
+use crate::report::still::{CountsByStatus, StillMaterial, StillSummary};
+use crate::scene::Still;
+
+/// Reconstructs the interface of a scene and writes what it asks for: the files that a run writes at its start, and on the mesh
+/// also the planes.
+///
+/// Scene and folder are checked before anything is written, and files are complete or absent.
+///
+/// # Errors
+/// See [`RunError`].
+pub fn reconstruct<C: Draw<D>, const D: usize>(
+    scene: &Still<D>,
+    options: &RunOptions,
+    progress: &mut dyn Progress,
+) -> Result<StillSummary, RunError> {
+    let done = reconstructed::<C, D>(scene, options, progress);
+    progress.end();
+    done
+}
+
+fn reconstructed<C: Draw<D>, const D: usize>(
+    scene: &Still<D>,
+    options: &RunOptions,
+    progress: &mut dyn Progress,
+) -> Result<StillSummary, RunError> {
+    let clock = Instant::now();
+    Folder::check(&options.folder, options.force)?;
+    progress.stage("mesh");
+    let mesh: Mesh<C, D> = prepare::still_mesh(scene)?;
+    progress.stage("fractions");
+    let fractions = prepare::fractions(scene, &mesh)?;
+    progress.stage("planes");
+    let found = Found::new(scene, &mesh, &fractions)?;
+    let mut summary = found.summary(scene, &mesh, &fractions);
+    summary.threads = options.threads;
+
+    let folder = Folder::open(&options.folder, options.force)?;
+    let Found { planes, facets, .. } = found;
+    let mut output = Output::new(scene, Beside::Planes(planes), folder.path().to_owned());
+    let done = write(scene, &mut output, &mesh, &fractions, &facets).and_then(|()| {
+        output.files.push(SUMMARY.to_owned());
+        summary.obj_scale = output.obj_scale;
+        summary.files = output.files.clone();
+        summary.wall_seconds = clock.elapsed().as_secs_f64();
+        write_summary(folder.path(), &summary)
+    });
+    if let Err(error) = done {
+        output.discard();
+        folder.remove_if_empty();
+        return Err(error);
+    }
+    Ok(summary)
+}
+
+fn write<C: Draw<D>, const D: usize>(
+    scene: &Still<D>,
+    output: &mut Output<'_, D>,
+    mesh: &Mesh<C, D>,
+    fractions: &[Vec<f64>],
+    facets: &[Facet<D>],
+) -> Result<(), RunError> {
+    output.state(mesh, 0.0, fractions, facets)?;
+    if scene.output.picture {
+        output.picture(FIRST, mesh, 0.0, fractions, facets)?;
+    }
+    Ok(())
+}
+
+fn write_summary(folder: &Path, summary: &StillSummary) -> Result<(), RunError> {
+    Ok(write_file(folder.join(SUMMARY), |writer| {
+        serde_json::to_writer_pretty(&mut *writer, summary)?;
+        writeln!(writer)
+    })?)
+}
+
+/// The interface of all materials.
+struct Found<const D: usize> {
+    /// By material.
+    counts: Vec<Counts>,
+    /// By material; none where no fields are asked for.
+    planes: Vec<CellPlanes<D>>,
+    /// By material, then cell.
+    facets: Vec<Facet<D>>,
+    /// What normals and plane constants took.
+    time: Duration,
+}
+
+impl<const D: usize> Found<D> {
+    fn new<C: Draw<D>>(
+        scene: &Still<D>,
+        mesh: &Mesh<C, D>,
+        fractions: &[Vec<f64>],
+    ) -> Result<Self, ReconstructionError> {
+        let mut found =
+            Self { counts: Vec::new(), planes: Vec::new(), facets: Vec::new(), time: Duration::ZERO };
+        for (material, fractions) in fractions.iter().enumerate() {
+            check_fractions(mesh.grid(), fractions)?;
+            let mixed: Vec<usize> = (0..fractions.len()).filter(|&cell| is_mixed(fractions[cell])).collect();
+            let clock = Instant::now();
+            let placed = planes(Material { mesh, fractions, centroids: None }, &mixed, scene.reconstruction)?;
+            found.time += clock.elapsed();
+            let mut counts = Counts::default();
+            placed.iter().for_each(|placed| counts.count(placed));
+            let facets = parallel::map(mixed.len(), |i| facet(mesh, mixed[i], material, &placed[i]));
+            let facets: Vec<Facet<D>> = facets.into_iter().flatten().collect();
+            if scene.output.fields {
+                found.planes.push(CellPlanes::new(fractions, &mixed, &placed, &facets));
+            }
+            found.counts.push(counts);
+            found.facets.extend(facets);
+        }
+        Ok(found)
+    }
+
+    /// The account; what is written and how long all of it took is left open.
+    fn summary<C: Draw<D>>(
+        &self,
+        scene: &Still<D>,
+        mesh: &Mesh<C, D>,
+        fractions: &[Vec<f64>],
+    ) -> StillSummary {
+        let mut all = Counts::default();
+        self.counts.iter().for_each(|counts| all.add(counts));
+        let material = |k: usize| {
+            let own = self.facets.iter().filter(|facet| facet.material == k);
+            StillMaterial {
+                name: scene.materials[k].name.clone(),
+                volume: material_volume(mesh, &fractions[k]),
+                area: own.map(|facet| facet.area).sum(),
+                planes: CountsByStatus::from(&self.counts[k]),
+            }
+        };
+        StillSummary {
+            scene: scene.name.clone(),
+            dimension: D,
+            cells: mesh.grid().len(),
+            cells_per_direction: mesh.grid().cells().to_vec(),
+            normal: scene.normal_word().to_owned(),
+            mixed_cells: mixed_cells(fractions),
+            planes: CountsByStatus::from(&all),
+            positions_closed_form: all.closed_form,
+            positions_iterative: all.iterative,
+            evaluations_per_position: all.evaluations_per_position(),
+            trials_per_plane: (all.mixed > 0).then(|| all.trials as f64 / all.mixed as f64),
+            microseconds_per_plane: (all.mixed > 0).then(|| self.time.as_secs_f64() * 1e6 / all.mixed as f64),
+            facet_gap_mean: facet_gap_mean(mesh, &self.facets),
+            skipped_outputs: not_asked_for(&scene.output),
+            notes: odd_cells(mesh).into_iter().collect(),
+            materials: (0..fractions.len()).map(material).collect(),
+            ..StillSummary::default()
+        }
+    }
+}
