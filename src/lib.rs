@@ -60,7 +60,7 @@ pub mod volume_associated;
 /// What most programs use.
 pub mod prelude {
     pub use crate::advection::{
-        Ledger, Remesh, Scheme, Settings, StepError, SweepAxes, SweepOrder, Transport,
+        Ledger, Remesh, Scheme, Settings, StepError, SweepAxes, SweepOrder, Transport, remap,
     };
     pub use crate::facet::Facet;
     pub use crate::fractions::volume_fractions;

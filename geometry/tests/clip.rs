@@ -27,13 +27,13 @@ fn region<R: Region<D>, C: Cell<D>, const D: usize>(seed: u64, size: f64) -> R {
 
 /// What the rounding of the coordinates is multiplied by: their size and the area of the region.
 fn scale<const D: usize>(region: &impl Region<D>) -> f64 {
-    let [low, high] = bounds(region.points());
+    let [low, high] = bounds(region.corners());
     size(region) * (high - low).amax().powi(D as i32 - 1)
 }
 
 /// The largest coordinate.
 fn size<const D: usize>(region: &impl Region<D>) -> f64 {
-    region.points().iter().map(|x| x.amax()).fold(0.0, f64::max)
+    region.corners().map(|x| x.amax()).fold(0.0, f64::max)
 }
 
 fn parts_add_up<const D: usize, R: Region<D>>(whole: &R, half_space: &HalfSpace<D>, allowed: f64) {
@@ -43,7 +43,7 @@ fn parts_add_up<const D: usize, R: Region<D>>(whole: &R, half_space: &HalfSpace<
     if side != Side::Across {
         return;
     }
-    assert_eq!(below.points(), again.points());
+    assert!(below.corners().eq(again.corners()));
     let [low, high, all] = [&below, &above, whole].map(Region::moments);
     let error = (low.volume + high.volume - all.volume).abs();
     assert!(error <= allowed * scale(whole), "{error:e} of {all:?}: {low:?} {high:?}");
@@ -54,13 +54,13 @@ fn parts_add_up<const D: usize, R: Region<D>>(whole: &R, half_space: &HalfSpace<
         assert!(part.volume() == part.moments().volume);
         let extent = half_space.normal.norm() * (size + half_space.constant.abs());
         let height = |x: &Vector<D>| sign * half_space.height(x);
-        assert!(part.points().iter().all(|x| height(x) <= 1e-14 * extent));
+        assert!(part.corners().all(|x| height(x) <= 1e-14 * extent));
     }
 }
 
 /// Cuts a region again and again, each time going on with both parts.
 fn cut_often<const D: usize, R: Region<D>>(whole: &R, random: &mut Random, depth: usize) {
-    let [low, high] = bounds(whole.points());
+    let [low, high] = bounds(whole.corners());
     let point = low + (high - low).component_mul(&(random.vector::<D>(0.5) + Vector::<D>::repeat(0.5)));
     let normal = random.unit::<D>();
     let half_space = HalfSpace { normal, constant: normal.dot(&point) };
@@ -220,7 +220,7 @@ proptest! {
         let nodes: Vec<_> = cell.nodes().iter().map(|x| x.map(eighth)).collect();
         let centres: Vec<_> = middles(&cell, &mut random, 0.2).iter().map(|x| x.map(eighth)).collect();
         let whole = Polyhedron::fans(&nodes, &centres);
-        let mut pick = || whole.points()[random.within(0.0, 14.0) as usize];
+        let mut pick = || *whole.corners().nth(random.within(0.0, 14.0) as usize).expect("14 corners");
         let [a, b, c] = [pick(), pick(), pick()];
         let normal = (b - a).cross(&(c - a));
         let half_space = HalfSpace { normal, constant: normal.dot(&a) };

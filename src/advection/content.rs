@@ -104,7 +104,7 @@ impl<C: Cell<D>, const D: usize> Source<'_, C, D> {
         contents: &mut [f64],
     ) -> Result<Held, Full> {
         let void = self.fractions.len();
-        let around = bounds(region.points()).map(|corner| corner + origin);
+        let around = bounds(region.corners()).map(|corner| corner + origin);
         scratch.candidates.clear();
         self.locator.find(self.mesh, around, &mut scratch.candidates);
         let pure = &mut scratch.pure;

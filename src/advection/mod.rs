@@ -1,8 +1,8 @@
 //! Advection of the volume fractions of materials.
 //!
 //! [`Transport`] moves them through a mesh that stands still, [`Remesh`] from one place of a mesh to the next; each step changes the
-//! fractions in place and returns a [`Ledger`] of what it did. Read [`settings`], [`boundary`], [`ledger`], [`schedule`],
-//! [`transport`], [`remesh`], then the private rooms: the band of cells that a step can change; the stages (what a sweep moves and
+//! fractions in place and returns a [`Ledger`] of what it did. [`remap()`] takes fractions to any other mesh. Read [`settings`],
+//! [`boundary`], [`ledger`], [`schedule`], [`transport`], [`remesh`], then the private rooms: the band of cells that a step can change; the stages (what a sweep moves and
 //! where it comes from), the sweeps, and how several materials share what leaves a cell; and for unsplit advection the shares that
 //! materials have of cells (`nested`), what a region holds of each (`content`), and the regions that cells come from (`preimage`).
 
@@ -11,10 +11,13 @@ pub mod boundary;
 mod content;
 pub mod ledger;
 mod nested;
+mod places;
 mod preimage;
+mod remap;
 pub mod remesh;
 pub mod schedule;
 pub mod settings;
+mod settle;
 mod share;
 mod stage;
 mod sweeps;
@@ -23,6 +26,7 @@ mod unsplit;
 
 pub use boundary::{Boundary, End, WallCrossed};
 pub use ledger::{Ledger, MaterialLedger};
+pub use remap::{RemapError, Remapped, remap};
 pub use remesh::Remesh;
 pub use schedule::SweepOrder;
 pub(crate) use schedule::sweep_order;

@@ -9,6 +9,7 @@ use vofkit_geometry::root::brent;
 use vofkit_geometry::tolerance::{POSITION_EVALUATIONS, POSITION_FAILURE, POSITION_RESIDUAL};
 use vofkit_geometry::{Cell, HalfSpace, PositionError, PositionMethod, Vector};
 
+use super::places::Places;
 use crate::interface::{self, Counts, Placed, Reconstruction, ReconstructionError, is_mixed};
 use crate::mesh::Mesh;
 use crate::normal::Material;
@@ -28,15 +29,10 @@ pub(super) enum Share<const D: usize> {
     Rest,
 }
 
-/// A cell that is not among those with shares.
-const NONE: u32 = u32::MAX;
-
 /// The shares of all materials in mixed cells.
 #[derive(Clone, Debug)]
 pub(super) struct Nested<const D: usize> {
-    /// By cell: its place in `cells`.
-    slot: Vec<u32>,
-    cells: Vec<u32>,
+    cells: Places,
     /// By place in `cells`, then by material.
     shares: Vec<Share<D>>,
     materials: usize,
@@ -45,13 +41,12 @@ pub(super) struct Nested<const D: usize> {
 impl<const D: usize> Nested<D> {
     /// No shares yet in a mesh of this many cells.
     pub(super) fn new(cells: usize) -> Self {
-        Self { slot: vec![NONE; cells], cells: Vec::new(), shares: Vec::new(), materials: 0 }
+        Self { cells: Places::new(cells), shares: Vec::new(), materials: 0 }
     }
 
     /// The shares in a cell; none if it is pure, or was not among those given.
     pub(super) fn of(&self, cell: usize) -> Option<&[Share<D>]> {
-        let slot = self.slot[cell];
-        (slot != NONE).then(|| &self.shares[slot as usize * self.materials..][..self.materials])
+        self.cells.of(cell).map(|slot| &self.shares[slot * self.materials..][..self.materials])
     }
 
     /// Places the planes in the mixed ones of some cells, and counts them.
@@ -65,20 +60,14 @@ impl<const D: usize> Nested<D> {
         cells: impl Iterator<Item = usize>,
         method: Reconstruction,
     ) -> Result<Counts, ReconstructionError> {
-        for &cell in &self.cells {
-            self.slot[cell as usize] = NONE;
-        }
         self.cells.clear();
         let mixed = |cell: &usize| fractions.iter().any(|f| is_mixed(f[*cell]));
-        self.cells.extend(cells.filter(mixed).map(|cell| cell as u32));
-        for (slot, &cell) in self.cells.iter().enumerate() {
-            self.slot[cell as usize] = slot as u32;
-        }
+        cells.filter(mixed).for_each(|cell| self.cells.insert(cell));
         self.materials = fractions.len();
         self.shares.clear();
-        self.shares.resize(self.cells.len() * fractions.len(), Share::Nothing);
         let mut counts = Counts::default();
-        let cells = &self.cells;
+        let cells = self.cells.items();
+        self.shares.resize(cells.len() * fractions.len(), Share::Nothing);
         let mut normals: Vec<Option<Vector<D>>> = vec![None; self.shares.len()];
         for (k, f) in fractions.iter().enumerate() {
             let (slots, mixed): (Vec<usize>, Vec<usize>) = (0..cells.len())
@@ -167,7 +156,7 @@ fn plane_constant_in<R: Region<D>, const D: usize>(
     volume: f64,
 ) -> Result<f64, PositionError> {
     let whole = region.volume();
-    let heights = region.points().iter().map(|x| normal.dot(x));
+    let heights = region.corners().map(|x| normal.dot(x));
     let [low, high] = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], h| [a.min(h), b.max(h)]);
     let excess = |constant: f64| {
         let mut below = R::empty();

@@ -17,27 +17,24 @@ use vofkit_geometry::clip::{Region, Tile};
 use vofkit_geometry::{Cell, Vector};
 
 use super::nested::RegionOf;
+use super::places::Places;
 use crate::mesh::{Grid, Mesh};
 use crate::parallel;
 use crate::space::{planar, spatial};
 use crate::tolerance::FACE_COLLAPSED;
 use crate::velocity::Field;
 
-/// A node that was not traced.
-const NONE: u32 = u32::MAX;
-
 /// How far the nodes of some cells have come in a step.
 #[derive(Clone, Debug)]
 pub(super) struct Traces<const D: usize> {
-    /// By node: its place in `nodes`.
-    slot: Vec<u32>,
-    nodes: Vec<u32>,
+    nodes: Places,
+    /// By place in `nodes`.
     displacements: Vec<Vector<D>>,
 }
 
 impl<const D: usize> Traces<D> {
     pub(super) fn new(nodes: usize) -> Self {
-        Self { slot: vec![NONE; nodes], nodes: Vec::new(), displacements: Vec::new() }
+        Self { nodes: Places::new(nodes), displacements: Vec::new() }
     }
 
     /// Traces the nodes of some cells back.
@@ -48,22 +45,15 @@ impl<const D: usize> Traces<D> {
         duration: f64,
         cells: &[u32],
     ) {
-        for &node in &self.nodes {
-            self.slot[node as usize] = NONE;
-        }
         self.nodes.clear();
         let grid = mesh.grid();
         for &cell in cells {
             let offset = grid.offset(cell as usize);
             for corner in C::OFFSETS {
-                let node = corner_node(grid, offset, corner);
-                if self.slot[node] == NONE {
-                    self.slot[node] = self.nodes.len() as u32;
-                    self.nodes.push(node as u32);
-                }
+                self.nodes.insert(corner_node(grid, offset, corner));
             }
         }
-        let nodes = &self.nodes;
+        let nodes = self.nodes.items();
         self.displacements = parallel::map(nodes.len(), |i| {
             planar(&displacement(field, &spatial(&mesh.nodes()[nodes[i] as usize]), duration))
         });
@@ -77,7 +67,8 @@ impl<const D: usize> Traces<D> {
         for (i, corner) in C::OFFSETS.iter().enumerate() {
             let node = corner_node(grid, offset, corner);
             now[i] = mesh.nodes()[node] - origin;
-            before[i] = now[i] - self.displacements[self.slot[node] as usize];
+            let place = self.nodes.of(node).expect("the nodes of the band were traced");
+            before[i] = now[i] - self.displacements[place];
         }
         [now, before]
     }

@@ -14,16 +14,17 @@ use vofkit_geometry::{Cell, Vector};
 use super::band::Band;
 use super::boundary::{Boundary, End};
 use super::content::{Held, Scratch, Source};
-use super::ledger::{LargestCorrection, Ledger};
+use super::ledger::Ledger;
 use super::nested::{Nested, RegionOf};
 use super::preimage::{TracedFace, Traces, preimage};
+use super::settle::settle;
 use super::transport::StepError;
 use crate::interface::Reconstruction;
 use crate::mesh::Mesh;
 use crate::mesh::locate::Locator;
 use crate::parallel;
 use crate::space::{planar, spatial};
-use crate::tolerance::{FRACTION_EXCESS, FRACTION_ROUNDING, LARGEST_RADIUS};
+use crate::tolerance::{FRACTION_EXCESS, LARGEST_RADIUS};
 use crate::velocity::{Field, StepFluxes};
 
 /// How the pre-image of one cell of the band was dealt with.
@@ -183,7 +184,14 @@ impl<const D: usize> Unsplit<D> {
         ledger.cells_visited += cells.len();
         ledger.preimages_cut += findings.iter().filter(|finding| finding.is_cut).count();
         ledger.preimages_folded += findings.iter().filter(|finding| finding.is_folded).count();
-        settle(step.mesh, cells, volumes, fractions, ledger);
+        let materials = fractions.len();
+        for (&cell, volumes) in cells.iter().zip(volumes.chunks(KEPT * materials)) {
+            let cell = cell as usize;
+            settle(cell, step.mesh.volumes()[cell], &volumes[..materials], fractions, ledger);
+            for (account, outflow) in ledger.materials.iter_mut().zip(&volumes[materials..]) {
+                account.outflow += outflow;
+            }
+        }
         Ok(())
     }
 }
@@ -202,50 +210,4 @@ fn reach<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, field: &Field) -> f64 {
         cell.nodes().iter().map(at_node).fold(0.0, f64::max)
     };
     parallel::map(mesh.grid().len(), of_cell).into_iter().fold(0.0, f64::max)
-}
-
-/// Writes the new fractions and adds up the accounts, in the order of the band.
-fn settle<C: Cell<D>, const D: usize>(
-    mesh: &Mesh<C, D>,
-    cells: &[u32],
-    volumes: &[f64],
-    fractions: &mut [Vec<f64>],
-    ledger: &mut Ledger,
-) {
-    let materials = fractions.len();
-    for (&cell, volumes) in cells.iter().zip(volumes.chunks(KEPT * materials)) {
-        let cell = cell as usize;
-        let volume = mesh.volumes()[cell];
-        for (k, f) in fractions.iter_mut().enumerate() {
-            let raw = volumes[k] / volume;
-            let fraction = rounded(raw);
-            let account = &mut ledger.materials[k];
-            account.smallest = account.smallest.min(raw);
-            account.largest = account.largest.max(raw);
-            account.clipped += (fraction - raw).abs() * volume;
-            account.outflow += volumes[materials + k];
-            f[cell] = fraction;
-            ledger.largest_correction.note(LargestCorrection { fraction: (fraction - raw).abs(), cell });
-        }
-        let sum: f64 = fractions.iter().map(|f| f[cell]).sum();
-        if sum > 1.0 + FRACTION_ROUNDING {
-            for (k, f) in fractions.iter_mut().enumerate() {
-                let excess = f[cell] * (1.0 - 1.0 / sum);
-                f[cell] -= excess;
-                ledger.materials[k].rescaled += excess * volume;
-                ledger.largest_correction.note(LargestCorrection { fraction: excess, cell });
-            }
-        }
-    }
-}
-
-/// A fraction that is within `[0, 1]`, and exactly 0 or 1 where it is so but for rounding.
-fn rounded(raw: f64) -> f64 {
-    if raw <= FRACTION_ROUNDING {
-        0.0
-    } else if raw >= 1.0 - FRACTION_ROUNDING {
-        1.0
-    } else {
-        raw
-    }
 }

@@ -233,5 +233,5 @@ fn cell_bounds<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, offset: [usize; D]
     let grid = mesh.grid();
     let corner = |i: &[usize; D]| mesh.nodes()[grid.node_index(std::array::from_fn(|k| offset[k] + i[k]))];
     let corners = C::OFFSETS.iter().map(corner);
-    corners.fold(bounds(&[]), |[low, high], x| [low.inf(&x), high.sup(&x)])
+    corners.fold(bounds([]), |[low, high], x| [low.inf(&x), high.sup(&x)])
 }

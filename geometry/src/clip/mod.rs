@@ -73,7 +73,7 @@ pub trait Region<const D: usize>: Clone + Send + Sync + fmt::Debug {
     fn fans(nodes: &[Vector<D>], middles: &[Vector<D>]) -> Self;
 
     /// The corners.
-    fn points(&self) -> &[Vector<D>];
+    fn corners(&self) -> impl Iterator<Item = &Vector<D>>;
 
     /// Moves all corners by a vector.
     fn translate(&mut self, shift: &Vector<D>);
@@ -104,12 +104,12 @@ pub trait Region<const D: usize>: Clone + Send + Sync + fmt::Debug {
 }
 
 /// The corners of the box around points.
-pub fn bounds<const D: usize>(points: &[Vector<D>]) -> [Vector<D>; 2] {
+pub fn bounds<'a, const D: usize>(points: impl IntoIterator<Item = &'a Vector<D>>) -> [Vector<D>; 2] {
     let nothing = [Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY)];
-    points.iter().fold(nothing, |[low, high], x| [low.inf(x), high.sup(x)])
+    points.into_iter().fold(nothing, |[low, high], x| [low.inf(x), high.sup(x)])
 }
 
-/// Which of up to 64 corners lie below a plane, as bits, with all heights.
+/// Which corners of a region lie below a plane, as bits, with all heights.
 struct Heights<const N: usize> {
     heights: [f64; N],
     below: u64,
@@ -117,19 +117,18 @@ struct Heights<const N: usize> {
 }
 
 impl<const N: usize> Heights<N> {
-    fn new<const D: usize>(points: &[Vector<D>], half_space: &HalfSpace<D>) -> Self {
+    /// The heights of some points, of which those given as bits are corners.
+    #[inline(always)]
+    fn new<const D: usize>(points: &[Vector<D>], corners: u64, half_space: &HalfSpace<D>) -> Self {
         let mut heights = [0.0; N];
         let mut below = 0;
         for (i, (height, x)) in heights.iter_mut().zip(points).enumerate() {
             *height = half_space.height(x);
             below |= u64::from(*height <= 0.0) << i;
         }
-        let all = match points.len() {
-            64.. => u64::MAX,
-            count => (1 << count) - 1,
-        };
+        below &= corners;
         let side = match below {
-            _ if below == all => Side::Below,
+            _ if below == corners => Side::Below,
             0 => Side::Above,
             _ => Side::Across,
         };

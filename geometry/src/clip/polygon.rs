@@ -32,6 +32,10 @@ impl Polygon {
         Ok(())
     }
 
+    fn heights(&self, half_space: &HalfSpace<2>) -> Heights<POINTS> {
+        Heights::new(&self.points[..self.count], (1 << self.count) - 1, half_space)
+    }
+
     fn part(&self, heights: &Heights<POINTS>, below: bool, part: &mut Self) -> Result<(), Full> {
         part.count = 0;
         for i in 0..self.count {
@@ -51,7 +55,7 @@ impl Polygon {
     /// Twice the areas of the triangles from the first corner, with their two other corners relative to it.
     fn fan(&self) -> impl Iterator<Item = (f64, Vector2, Vector2)> + '_ {
         let first = self.points[0];
-        self.points().windows(2).skip(1).map(move |side| {
+        self.points[..self.count].windows(2).skip(1).map(move |side| {
             let (a, b) = (side[0] - first, side[1] - first);
             (a[0] * b[1] - a[1] * b[0], a, b)
         })
@@ -75,8 +79,8 @@ impl Region<2> for Polygon {
         polygon
     }
 
-    fn points(&self) -> &[Vector2] {
-        &self.points[..self.count]
+    fn corners(&self) -> impl Iterator<Item = &Vector2> {
+        self.points[..self.count].iter()
     }
 
     fn translate(&mut self, shift: &Vector2) {
@@ -98,7 +102,7 @@ impl Region<2> for Polygon {
     }
 
     fn cut(&self, half_space: &HalfSpace<2>, below: &mut Self) -> Result<Side, Full> {
-        let heights = Heights::new(self.points(), half_space);
+        let heights = self.heights(half_space);
         if heights.side == Side::Across {
             self.part(&heights, true, below)?;
         }
@@ -106,7 +110,7 @@ impl Region<2> for Polygon {
     }
 
     fn split(&self, half_space: &HalfSpace<2>, below: &mut Self, above: &mut Self) -> Result<Side, Full> {
-        let heights = Heights::new(self.points(), half_space);
+        let heights = self.heights(half_space);
         if heights.side == Side::Across {
             self.part(&heights, true, below)?;
             self.part(&heights, false, above)?;

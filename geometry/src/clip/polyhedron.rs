@@ -22,16 +22,26 @@ const GAPS: usize = 16;
 ///
 /// Every directed edge of a face is met by one of another face that runs the other way, or enclosed volumes would
 /// depend on the origin. The edges of a face are counter-clockwise seen from outside; they come in any order, and may make up
-/// several loops.
+/// several loops. A corner keeps its number through cuts, and new ones get the numbers of those that were cut off, so that
+/// faces that a plane does not meet are copied as they are.
 #[derive(Clone, Debug)]
 pub struct Polyhedron {
     points: [Vector3; POINTS],
-    point_count: usize,
+    /// Which of the points are corners, as bits.
+    corners: u64,
     edges: [[u8; 2]; EDGES],
     edge_count: usize,
-    /// Where the edges of each face end.
-    ends: [u16; FACES],
+    faces: [Face; FACES],
     face_count: usize,
+}
+
+/// A plane face.
+#[derive(Clone, Copy, Debug)]
+struct Face {
+    /// Where its edges end; they start where those of the face before it end.
+    end: u16,
+    /// Its corners, as bits.
+    corners: u64,
 }
 
 /// The corners of a tetrahedron's faces, outward where the last corner lies on the side of the normal of the first three.
@@ -59,41 +69,52 @@ impl Polyhedron {
     fn triangulated(points: &[Vector3], triangles: &[[u8; 3]]) -> Self {
         let mut polyhedron = Self::empty();
         polyhedron.points[..points.len()].copy_from_slice(points);
-        polyhedron.point_count = points.len();
-        for (face, &[a, b, c]) in triangles.iter().enumerate() {
-            polyhedron.edges[3 * face..3 * face + 3].copy_from_slice(&[[a, b], [b, c], [c, a]]);
-            polyhedron.ends[face] = 3 * face as u16 + 3;
+        polyhedron.corners = (1 << points.len()) - 1;
+        for (i, &[a, b, c]) in triangles.iter().enumerate() {
+            polyhedron.edges[3 * i..3 * i + 3].copy_from_slice(&[[a, b], [b, c], [c, a]]);
+            polyhedron.faces[i] = Face { end: 3 * i as u16 + 3, corners: bit(a) | bit(b) | bit(c) };
         }
         polyhedron.edge_count = 3 * triangles.len();
         polyhedron.face_count = triangles.len();
         polyhedron
     }
 
-    /// The edges of each face.
-    fn faces(&self) -> impl Iterator<Item = &[[u8; 2]]> {
+    /// The points up to the last corner.
+    fn numbered(&self) -> &[Vector3] {
+        &self.points[..POINTS - self.corners.leading_zeros() as usize]
+    }
+
+    /// Calls with the corners of the triangles that the faces are made of: a face's own first corner and each of its edges.
+    #[inline(always)]
+    fn triangles(&self, mut visit: impl FnMut([u8; 3])) {
         let mut start = 0;
-        self.ends[..self.face_count].iter().map(move |&end| {
-            let face = &self.edges[start..end as usize];
-            start = end as usize;
-            face
-        })
+        for face in &self.faces[..self.face_count] {
+            let end = usize::from(face.end);
+            let edges = &self.edges[start..end];
+            start = end;
+            let Some(&[apex, _]) = edges.first() else { continue };
+            for &[a, b] in &edges[1..] {
+                if a != apex && b != apex {
+                    visit([apex, a, b]);
+                }
+            }
+        }
     }
 
-    /// The triangles that each face is made of: its own first corner and each of its edges.
-    fn triangles(&self) -> impl Iterator<Item = [u8; 3]> {
-        self.faces().flat_map(|face| {
-            let apex = face[0][0];
-            face.iter().filter(move |edge| !edge.contains(&apex)).map(move |&[a, b]| [apex, a, b])
-        })
+    /// A corner, as the origin of sums; any where there is none.
+    fn origin(&self) -> Vector3 {
+        self.points[self.corners.trailing_zeros() as usize % POINTS]
     }
 
-    /// The corners of these triangles relative to the first corner of all, with six times the volume between.
-    fn tetrahedra(&self) -> impl Iterator<Item = (f64, [Vector3; 3])> {
-        let first = self.points[0];
-        self.triangles().map(move |triangle| {
-            let [a, b, c] = triangle.map(|i| self.points[usize::from(i)] - first);
-            (a.dot(&b.cross(&c)), [a, b, c])
-        })
+    /// The corners of these triangles relative to the origin, with six times the volume between.
+    #[inline(always)]
+    fn tetrahedra(&self, mut visit: impl FnMut(f64, [Vector3; 3])) {
+        let origin = self.origin();
+        let at = |i: u8| self.points[usize::from(i) % POINTS] - origin;
+        self.triangles(|[a, b, c]| {
+            let corners = [at(a), at(b), at(c)];
+            visit(corners[0].dot(&corners[1].cross(&corners[2])), corners);
+        });
     }
 
     fn push(&mut self, edge: [u8; 2]) -> Result<(), Full> {
@@ -102,66 +123,83 @@ impl Polyhedron {
         Ok(())
     }
 
-    fn close_face(&mut self) -> Result<(), Full> {
-        let start = self.face_count.checked_sub(1).map_or(0, |last| usize::from(self.ends[last]));
-        if self.edge_count > start {
-            *self.ends.get_mut(self.face_count).ok_or(Full)? = self.edge_count as u16;
-            self.face_count += 1;
+    /// Ends a face that began with an edge.
+    fn close_face(&mut self, first_edge: usize) -> Result<(), Full> {
+        let edges = &self.edges[first_edge..self.edge_count];
+        if edges.is_empty() {
+            return Ok(());
         }
+        // Each corner begins an edge.
+        let corners = edges.iter().fold(0, |corners, &[a, _]| corners | bit(a));
+        *self.faces.get_mut(self.face_count).ok_or(Full)? = Face { end: self.edge_count as u16, corners };
+        self.face_count += 1;
         Ok(())
     }
 
     fn part(&self, heights: &Heights<POINTS>, below: bool, part: &mut Self) -> Result<(), Full> {
-        (part.point_count, part.edge_count, part.face_count) = (0, 0, 0);
-        let kept = |i: u8| heights.is_below(usize::from(i)) == below;
-        let mut renumbered = [0_u8; POINTS];
-        for (i, x) in self.points().iter().enumerate() {
-            if kept(i as u8) {
-                renumbered[i] = part.point_count as u8;
-                part.points[part.point_count] = *x;
-                part.point_count += 1;
+        let kept = if below { heights.below } else { !heights.below } & self.corners;
+        let numbered = self.numbered();
+        part.points[..numbered.len()].copy_from_slice(numbered);
+        (part.corners, part.edge_count, part.face_count) = (kept, 0, 0);
+        let is_kept = |i: u8| kept & bit(i) != 0;
+        let mut crossings = Crossings { edges: [([0; 2], 0); POINTS], count: 0 };
+        let mut cap = List::<[u8; 2], POINTS>::new([0; 2]);
+        let mut start = 0;
+        for face in &self.faces[..self.face_count] {
+            let edges = &self.edges[start..usize::from(face.end)];
+            start = usize::from(face.end);
+            let kept_here = face.corners & kept;
+            if kept_here == 0 {
+                continue;
             }
-        }
-        let renumbered = |i: u8| renumbered[usize::from(i)];
-        let mut crossings = Crossings { edges: [[0; 2]; POINTS], first: part.point_count };
-        let mut cap = List::<EDGES>::default();
-        for face in self.faces() {
-            let (mut out, mut back) = (List::<GAPS>::default(), List::<GAPS>::default());
-            for &[a, b] in face {
-                match (kept(a), kept(b)) {
-                    (true, true) => part.push([renumbered(a), renumbered(b)])?,
+            let first_edge = part.edge_count;
+            if kept_here == face.corners {
+                let end = first_edge + edges.len();
+                part.edges.get_mut(first_edge..end).ok_or(Full)?.copy_from_slice(edges);
+                part.edge_count = end;
+                *part.faces.get_mut(part.face_count).ok_or(Full)? = Face { end: end as u16, ..*face };
+                part.face_count += 1;
+                continue;
+            }
+            let (mut out, mut back) = (List::<u8, GAPS>::new(0), List::<u8, GAPS>::new(0));
+            for &[a, b] in edges {
+                match (is_kept(a), is_kept(b)) {
+                    (true, true) => part.push([a, b])?,
                     (true, false) => {
                         let gap = crossings.find(self, heights, [a, b], part)?;
-                        part.push([renumbered(a), gap])?;
+                        part.push([a, gap])?;
                         out.push(gap)?;
                     }
                     (false, true) => {
                         let gap = crossings.find(self, heights, [b, a], part)?;
-                        part.push([gap, renumbered(b)])?;
+                        part.push([gap, b])?;
                         back.push(gap)?;
                     }
                     (false, false) => {}
                 }
             }
-            for (&out, &back) in out.iter().zip(back.iter()) {
+            for (&out, &back) in out.items().iter().zip(back.items()) {
                 if out != back {
                     part.push([out, back])?;
-                    cap.push(back)?;
-                    cap.push(out)?;
+                    cap.push([back, out])?;
                 }
             }
-            part.close_face()?;
+            part.close_face(first_edge)?;
         }
-        cap.iter().as_slice().chunks_exact(2).try_for_each(|edge| part.push([edge[0], edge[1]]))?;
-        part.close_face()
+        let first_edge = part.edge_count;
+        cap.items().iter().try_for_each(|edge| part.push(*edge))?;
+        part.close_face(first_edge)
     }
+}
+
+fn bit(i: u8) -> u64 {
+    1_u64 << (i & 63)
 }
 
 /// The corners that a cut makes, each on the edge that it lies on: from the corner that is kept to the other.
 struct Crossings {
-    edges: [[u8; 2]; POINTS],
-    /// Their first number in the part.
-    first: usize,
+    edges: [([u8; 2], u8); POINTS],
+    count: usize,
 }
 
 impl Crossings {
@@ -173,40 +211,42 @@ impl Crossings {
         edge: [u8; 2],
         part: &mut Polyhedron,
     ) -> Result<u8, Full> {
-        let known = part.point_count - self.first;
-        if let Some(place) = self.edges[..known].iter().position(|other| *other == edge) {
-            return Ok((self.first + place) as u8);
+        if let Some((_, number)) = self.edges[..self.count].iter().find(|(other, _)| *other == edge) {
+            return Ok(*number);
+        }
+        let number = (!part.corners).trailing_zeros() as u8;
+        if usize::from(number) >= POINTS {
+            return Err(Full);
         }
         let [kept, other] = edge.map(usize::from);
         let (lower, upper) = if heights.is_below(kept) { (kept, other) } else { (other, kept) };
-        *part.points.get_mut(part.point_count).ok_or(Full)? = heights.crossing(&whole.points, lower, upper);
-        self.edges[known] = edge;
-        part.point_count += 1;
-        Ok(part.point_count as u8 - 1)
+        part.points[usize::from(number)] = heights.crossing(&whole.points, lower, upper);
+        part.corners |= bit(number);
+        self.edges[self.count] = (edge, number);
+        self.count += 1;
+        Ok(number)
     }
 }
 
-/// A short list of corners.
-struct List<const N: usize> {
-    items: [u8; N],
+/// A short list.
+struct List<T, const N: usize> {
+    items: [T; N],
     count: usize,
 }
 
-impl<const N: usize> Default for List<N> {
-    fn default() -> Self {
-        Self { items: [0; N], count: 0 }
+impl<T: Copy, const N: usize> List<T, N> {
+    fn new(nothing: T) -> Self {
+        Self { items: [nothing; N], count: 0 }
     }
-}
 
-impl<const N: usize> List<N> {
-    fn push(&mut self, item: u8) -> Result<(), Full> {
+    fn push(&mut self, item: T) -> Result<(), Full> {
         *self.items.get_mut(self.count).ok_or(Full)? = item;
         self.count += 1;
         Ok(())
     }
 
-    fn iter(&self) -> std::slice::Iter<'_, u8> {
-        self.items[..self.count].iter()
+    fn items(&self) -> &[T] {
+        &self.items[..self.count]
     }
 }
 
@@ -214,10 +254,10 @@ impl Region<3> for Polyhedron {
     fn empty() -> Self {
         Self {
             points: [Vector3::new(0.0, 0.0, 0.0); POINTS],
-            point_count: 0,
+            corners: 0,
             edges: [[0; 2]; EDGES],
             edge_count: 0,
-            ends: [0; FACES],
+            faces: [Face { end: 0, corners: 0 }; FACES],
             face_count: 0,
         }
     }
@@ -228,30 +268,33 @@ impl Region<3> for Polyhedron {
         Self::triangulated(&points, &FANS)
     }
 
-    fn points(&self) -> &[Vector3] {
-        &self.points[..self.point_count]
+    fn corners(&self) -> impl Iterator<Item = &Vector3> {
+        let is_corner = |(i, _): &(usize, &Vector3)| self.corners & bit(*i as u8) != 0;
+        self.numbered().iter().enumerate().filter(is_corner).map(|(_, x)| x)
     }
 
     fn translate(&mut self, shift: &Vector3) {
-        self.points[..self.point_count].iter_mut().for_each(|x| *x += shift);
+        self.points.iter_mut().for_each(|x| *x += shift);
     }
 
     fn volume(&self) -> f64 {
-        self.tetrahedra().map(|(six_times, _)| six_times).sum::<f64>() / 6.0
+        let mut sum = 0.0;
+        self.tetrahedra(|six_times, _| sum += six_times);
+        sum / 6.0
     }
 
     fn moments(&self) -> Moments<3> {
         let (mut sum, mut first) = (0.0, Vector3::zeros());
-        for (six_times, [a, b, c]) in self.tetrahedra() {
+        self.tetrahedra(|six_times, [a, b, c]| {
             sum += six_times;
             first += (a + b + c) * (six_times / 24.0);
-        }
+        });
         let volume = sum / 6.0;
-        Moments { volume, first: first + self.points[0] * volume }
+        Moments { volume, first: first + self.origin() * volume }
     }
 
     fn cut(&self, half_space: &HalfSpace<3>, below: &mut Self) -> Result<Side, Full> {
-        let heights = Heights::new(self.points(), half_space);
+        let heights = Heights::new(self.numbered(), self.corners, half_space);
         if heights.side == Side::Across {
             self.part(&heights, true, below)?;
         }
@@ -259,7 +302,7 @@ impl Region<3> for Polyhedron {
     }
 
     fn split(&self, half_space: &HalfSpace<3>, below: &mut Self, above: &mut Self) -> Result<Side, Full> {
-        let heights = Heights::new(self.points(), half_space);
+        let heights = Heights::new(self.numbered(), self.corners, half_space);
         if heights.side == Side::Across {
             self.part(&heights, true, below)?;
             self.part(&heights, false, above)?;
@@ -268,17 +311,19 @@ impl Region<3> for Polyhedron {
     }
 
     fn is_seen_from(&self, point: &Vector3) -> bool {
-        self.triangles().all(|triangle| {
+        let mut is_seen = true;
+        self.triangles(|triangle| {
             let [a, b, c] = triangle.map(|i| self.points[usize::from(i)] - point);
-            a.dot(&b.cross(&c)) >= 0.0
-        })
+            is_seen &= a.dot(&b.cross(&c)) >= 0.0;
+        });
+        is_seen
     }
 
     fn simplices(&self, visit: &mut dyn FnMut(&Self)) {
-        let first = self.points[0];
-        for triangle in self.triangles() {
+        let first = self.origin();
+        self.triangles(|triangle| {
             let [a, b, c] = triangle.map(|i| self.points[usize::from(i)]);
             visit(&Self::tetrahedron([first, a, b, c]));
-        }
+        });
     }
 }

@@ -256,11 +256,11 @@ impl Pyramid {
         }
         let Some(cone) = within(region, &self.sides, outer)? else { return Ok(()) };
         let is_under = |sector: &Sector, x: &Vector<3>| sector.half_spaces[2].height(x) <= 0.0;
-        if self.sectors.iter().all(|sector| cone.points().iter().all(|x| is_under(sector, x))) {
+        if self.sectors.iter().all(|sector| cone.corners().all(|x| is_under(sector, x))) {
             visit(1.0, cone);
             return Ok(());
         }
-        if self.sectors.iter().all(|sector| !cone.points().iter().any(|x| is_under(sector, x))) {
+        if self.sectors.iter().all(|sector| !cone.corners().any(|x| is_under(sector, x))) {
             return Ok(());
         }
         for sector in &self.sectors {
