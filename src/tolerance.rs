@@ -9,6 +9,10 @@ pub const FLUX_BITS: i32 = 49;
 /// cells that emptied would keep a remainder of a few units in the last place and be carried along as mixed for ever.
 pub const FRACTION_ROUNDING: f64 = 1e-14;
 
+/// The fractions of several materials in a cell may add up to one and this much: the rounding of whoever made them. More is an
+/// error, since parts that tile the cell cannot have these volumes.
+pub const OVERFULL: f64 = 1e-9;
+
 /// A gradient below this, relative to the largest fraction of the stencil, is rounding: no normal.
 pub const GRADIENT_FLAT: f64 = 16.0 * f64::EPSILON;
 
@@ -23,6 +27,10 @@ pub const DESCENT_GAIN: f64 = 1e-3;
 /// A promised fall of a misfit (of fractions, squared) below this is rounding: where a plane fits, the descent goes on to here,
 /// which keeps it to 1e-12 of a cell.
 pub const MISFIT_ROUNDING: f64 = 1e-28;
+
+/// Misfits of the planes of several materials in a cell that differ by less than this (in fractions, squared) are the same, so that
+/// not rounding says which one is cut first.
+pub const MISFIT_EQUAL: f64 = 1e-12;
 
 /// Points after which a descent stops. From a gradient's normal it takes about four; twenty are enough from any start.
 pub const DESCENT_POINTS: usize = 20;

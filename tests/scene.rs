@@ -264,6 +264,7 @@ fn what_is_wrong_in_added_lines_is_named_too() {
             &["not available in this version", "youngs, youngs_logical"],
         ),
         (END, "[reconstruction]\nnormal = \"young\"", &["is not known", "youngs, youngs_logical"]),
+        (END, "[reconstruction]\nmaterials = \"onion\"", &["is not known", "nested, listed, independent"]),
         (
             END,
             "[boundary]\ninflow = \"water\"",

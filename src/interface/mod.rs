@@ -1,6 +1,21 @@
 //! Interface reconstruction: a plane in every mixed cell that leaves the material its volume.
+//!
+//! This file places the planes of one material, and reconstructs whole interfaces; [`sharing`] says which planes the materials
+//! of a cell need, and [`nested`] cuts several of them from one cell, in an `order` of its own.
+
+mod facets;
+pub mod nested;
+mod order;
+pub mod sharing;
 
 use vofkit_geometry::{Cell, HalfSpace, PositionError, PositionMethod};
+
+pub use nested::{Cut, Dissector, Shared};
+pub use sharing::Materials;
+pub(crate) use sharing::planes_of_all;
+
+pub use facets::facet;
+use facets::nested_facets;
 
 use crate::facet::Facet;
 use crate::mesh::{Grid, Mesh};
@@ -18,6 +33,8 @@ pub struct Reconstruction {
     pub normal: NormalMethod,
     /// The plane constant.
     pub position: PositionMethod,
+    /// Several materials in one cell.
+    pub materials: Materials,
 }
 
 /// What the reconstruction of one mixed cell gave.
@@ -38,6 +55,21 @@ pub enum Placed<const D: usize> {
     },
     /// No plane: the fractions around the cell give no direction.
     NoNormal(NoNormal),
+    /// One of several materials that are cut one after the other: see [`Dissector`].
+    Nested,
+}
+
+impl<const D: usize> Placed<D> {
+    /// The same plane for the material on its other side.
+    fn complement(self) -> Self {
+        match self {
+            Self::Plane { half_space, determined, trials, evaluations, closed_form } => {
+                let half_space = half_space.complement();
+                Self::Plane { half_space, determined, trials, evaluations, closed_form }
+            }
+            _ => self,
+        }
+    }
 }
 
 /// Why there is no reconstruction.
@@ -52,6 +84,14 @@ pub enum ReconstructionError {
         fraction: f64,
         /// What went wrong.
         source: PositionError,
+    },
+    /// Fractions of several materials that a cell has no room for.
+    #[error("the fractions in cell {cell:?} add up to {sum}, more than 1")]
+    Overfull {
+        /// The cell's index along each axis.
+        cell: Vec<usize>,
+        /// Their sum.
+        sum: f64,
     },
     /// Fractions that are not one for each cell.
     #[error("{given} fractions are given for a mesh of {cells} cells")]
@@ -89,10 +129,11 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Counts one mixed cell.
+    /// Counts one mixed cell; materials that are cut one after the other count when they are.
     pub fn count<const D: usize>(&mut self, placed: &Placed<D>) {
-        self.mixed += 1;
+        self.mixed += usize::from(*placed != Placed::Nested);
         match *placed {
+            Placed::Nested => {}
             Placed::NoNormal(NoNormal::Flat) => self.flat += 1,
             Placed::NoNormal(NoNormal::Isolated) => self.isolated += 1,
             Placed::NoNormal(NoNormal::Balanced) => self.balanced += 1,
@@ -213,7 +254,7 @@ fn place_along<C: Cell<D>, const D: usize>(
 /// The reconstructed interface of all materials as polygons, with what it took.
 #[derive(Clone, Debug, Default)]
 pub struct Interface<const D: usize> {
-    /// One facet for each mixed cell and material that has a plane; by material, then cell.
+    /// By material, then cell: one facet for each plane of a material in a cell, several where materials share the cell.
     pub facets: Vec<Facet<D>>,
     /// What was done.
     pub counts: Counts,
@@ -228,35 +269,30 @@ pub fn reconstruct<C: Cell<D>, const D: usize>(
     fractions: &[Vec<f64>],
     method: Reconstruction,
 ) -> Result<Interface<D>, ReconstructionError> {
+    fractions.iter().try_for_each(|f| check_fractions(mesh.grid(), f))?;
+    let cells: Vec<usize> =
+        (0..mesh.grid().len()).filter(|&i| fractions.iter().any(|f| is_mixed(f[i]))).collect();
     let mut interface = Interface::default();
-    for (material, fractions) in fractions.iter().enumerate() {
-        check_fractions(mesh.grid(), fractions)?;
-        let mixed: Vec<usize> = (0..fractions.len()).filter(|&i| is_mixed(fractions[i])).collect();
-        let placed = planes(Material { mesh, fractions, centroids: None }, &mixed, method)?;
-        placed.iter().for_each(|placed| interface.counts.count(placed));
-        let facets = parallel::map(mixed.len(), |i| facet(mesh, mixed[i], material, &placed[i]));
-        interface.facets.extend(facets.into_iter().flatten());
+    let planes = planes_of_all(mesh, fractions, &cells, method, &mut interface.counts)?;
+    let made = parallel::map(cells.len(), |i| {
+        let (index, planes) = (cells[i], &planes[i * fractions.len()..][..fractions.len()]);
+        if planes.contains(&Some(Placed::Nested)) {
+            let cell = mesh.local_cell(index);
+            let mut dissector = Dissector::default();
+            let shared = Shared { mesh, fractions, index, cell: &cell };
+            let counts = dissector.dissect(shared, [cell], method, |_, _, _| {})?;
+            return Ok((counts, nested_facets(mesh, index, dissector.cuts(), dissector.last())));
+        }
+        let own = |(material, placed): (usize, &Option<Placed<D>>)| {
+            facet(mesh, index, material, placed.as_ref()?)
+        };
+        Ok((Counts::default(), planes.iter().enumerate().filter_map(own).collect()))
+    });
+    for made in made {
+        let (counts, facets) = made?;
+        interface.counts.add(&counts);
+        interface.facets.extend(facets);
     }
+    interface.facets.sort_by_key(|facet| (facet.material, facet.cell));
     Ok(interface)
-}
-
-/// The piece of interface in a cell whose plane was placed; none where there is no plane.
-pub fn facet<C: Cell<D>, const D: usize>(
-    mesh: &Mesh<C, D>,
-    index: usize,
-    material: usize,
-    placed: &Placed<D>,
-) -> Option<Facet<D>> {
-    let Placed::Plane { half_space: local, determined, .. } = placed else { return None };
-    // Polygons are made in the coordinates of the mesh, so that neighbours agree on the points of a common face.
-    let half_space = local.translated(&mesh.anchor(index));
-    Some(Facet {
-        cell: index,
-        material,
-        normal: half_space.normal,
-        plane_constant: half_space.constant,
-        determined: *determined,
-        area: mesh.local_cell(index).truncate(local).section_area,
-        loops: mesh.cell(index).section(&half_space),
-    })
 }

@@ -23,6 +23,8 @@ pub enum CellStatus {
     Balanced = 6,
     /// It is mixed without a plane: [`NoNormal::NoCentroid`].
     NoCentroid = 7,
+    /// It is mixed and shared with other materials, which are cut one after the other: [`Placed::Nested`].
+    Nested = 8,
 }
 
 impl CellStatus {
@@ -46,6 +48,7 @@ impl<const D: usize> From<&Placed<D>> for CellStatus {
             Placed::NoNormal(NoNormal::Isolated) => Self::Isolated,
             Placed::NoNormal(NoNormal::Balanced) => Self::Balanced,
             Placed::NoNormal(NoNormal::NoCentroid) => Self::NoCentroid,
+            Placed::Nested => Self::Nested,
         }
     }
 }

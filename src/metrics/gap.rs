@@ -17,9 +17,8 @@ pub fn facet_gap_mean<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, facets: &[F
         let size = mesh.volumes()[facet.cell].powf(1.0 / D as f64);
         for axis in (0..D).filter(|&axis| offset[axis] + 1 < grid.cells()[axis]) {
             let key = (facet.material, facet.cell + grid.stride(axis));
-            let Ok(place) = facets.binary_search_by_key(&key, |f| (f.material, f.cell)) else {
-                continue;
-            };
+            let first = facets.partition_point(|f| (f.material, f.cell) < key);
+            let across = facets[first..].iter().take_while(|f| (f.material, f.cell) == key);
             let nodes = C::FACE_NODES[2 * axis + 1];
             let node = |i: usize| {
                 let corner = C::OFFSETS[nodes[i % nodes.len()]];
@@ -28,9 +27,12 @@ pub fn facet_gap_mean<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, facets: &[F
             // A face in 2D is one edge.
             let edges = if D == 2 { 1 } else { nodes.len() };
             for (a, b) in (0..edges).map(|i| (node(i), node(i + 1))) {
-                if let (Some(one), Some(other)) = (crossing(facet, &a, &b), crossing(&facets[place], &a, &b))
-                {
-                    sum += (one - other).abs() * (b - a).norm() / size;
+                let Some(one) = crossing(facet, &a, &b) else { continue };
+                // Where materials share a cell, there may be several facets: the nearest goes on.
+                let gaps =
+                    across.clone().filter_map(|f| crossing(f, &a, &b)).map(|other| (one - other).abs());
+                if let Some(gap) = gaps.reduce(f64::min) {
+                    sum += gap * (b - a).norm() / size;
                     count += 1;
                 }
             }

@@ -10,7 +10,7 @@
 mod columns;
 mod descent;
 mod elvira;
-mod frame;
+pub(crate) mod frame;
 mod least_squares;
 mod lvira;
 mod mof;
@@ -103,7 +103,7 @@ struct Around<'a, C, const D: usize> {
 
 impl<C, const D: usize> Around<'_, C, D> {
     fn fraction(&self) -> f64 {
-        self.material.fractions[self.index]
+        self.stencil.middle()
     }
 }
 
@@ -147,8 +147,20 @@ impl NormalMethod {
         position: PositionMethod,
     ) -> Found<D> {
         let grid = material.mesh.grid();
-        let offset = grid.offset(index);
-        let stencil = Stencil::new(grid, material.fractions, offset);
+        let stencil = Stencil::new(grid, material.fractions, grid.offset(index));
+        self.normal_among(material, index, cell, stencil, position)
+    }
+
+    /// The same, with other fractions around the cell than the material's own.
+    pub(crate) fn normal_among<C: Cell<D>, const D: usize>(
+        self,
+        material: Material<'_, C, D>,
+        index: usize,
+        cell: &C,
+        stencil: Stencil<D>,
+        position: PositionMethod,
+    ) -> Found<D> {
+        let offset = material.mesh.grid().offset(index);
         let around = Around { material, index, offset, cell, stencil };
         match self {
             Self::Youngs | Self::Swartz => youngs::physical(&around),

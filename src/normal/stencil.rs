@@ -1,6 +1,8 @@
 //! The fractions around a cell.
 
-use super::NoNormal;
+use vofkit_geometry::Vector;
+
+use super::{NoNormal, youngs};
 use crate::mesh::Grid;
 use crate::tolerance::GRADIENT_FLAT;
 
@@ -42,6 +44,30 @@ impl<const D: usize> Stencil<D> {
     /// The values with the step that leads to each of them.
     pub fn iter(&self) -> impl Iterator<Item = ([isize; D], f64)> + '_ {
         self.values[..stencil_cells(D)].iter().enumerate().map(|(place, &f)| (step_of::<D>(place), f))
+    }
+
+    /// The same value everywhere.
+    pub fn uniform(value: f64) -> Self {
+        Self { values: [value; 27] }
+    }
+
+    /// The value of the cell itself.
+    pub fn middle(&self) -> f64 {
+        self.values[stencil_cells(D) / 2]
+    }
+
+    /// The sum with a multiple of another stencil.
+    pub fn plus(mut self, other: &Self, factor: f64) -> Self {
+        self.values.iter_mut().zip(&other.values).for_each(|(value, other)| *value += other * factor);
+        self
+    }
+
+    /// The gradient in cells, along the logical axes, by [Youngs'](super::NormalMethod::Youngs) differences.
+    ///
+    /// # Errors
+    /// Why there is none, where it is no more than rounding.
+    pub fn slopes(&self) -> Result<Vector<D>, NoNormal> {
+        youngs::slopes(self)
     }
 
     /// The largest value.

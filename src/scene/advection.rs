@@ -9,22 +9,24 @@ use vofkit_geometry::PositionMethod;
 use super::context::{Context, default};
 use super::error::SceneError;
 use crate::advection::{Scheme, SweepAxes, SweepOrder};
-use crate::interface::Reconstruction;
+use crate::interface::{Materials, Reconstruction};
 use crate::normal::NormalMethod;
 
 /// The Courant number of scenes that give none.
 const DEFAULT_COURANT: f64 = 0.5;
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, default, expecting = "a table with normal, position")]
+#[serde(deny_unknown_fields, default, expecting = "a table with normal, position, materials")]
 pub(super) struct ReconstructionSection {
     normal: Spanned<String>,
     position: Spanned<String>,
+    materials: Spanned<String>,
 }
 
 impl Default for ReconstructionSection {
     fn default() -> Self {
-        Self { normal: default("youngs".to_owned()), position: default("auto".to_owned()) }
+        let word = |text: &str| default(text.to_owned());
+        Self { normal: word("youngs"), position: word("auto"), materials: word("nested") }
     }
 }
 
@@ -49,9 +51,20 @@ impl ReconstructionSection {
             ("newton", PositionMethod::Newton),
             ("brent", PositionMethod::Brent),
         ];
+        let materials = [
+            ("nested", Materials::Nested),
+            ("listed", Materials::Listed),
+            ("independent", Materials::Independent),
+        ];
         Ok(Reconstruction {
             normal: context.word("the normal method", &self.normal, &normals, &["mof"])?,
             position: context.word("the position method", &self.position, &positions, &[])?,
+            materials: context.word(
+                "the reconstruction of several materials",
+                &self.materials,
+                &materials,
+                &[],
+            )?,
         })
     }
 }

@@ -1,0 +1,227 @@
+//! Several materials in one cell, cut one after the other from what the earlier ones left (nested dissection, Dyadechko & Shashkov
+//! 2008), so that the parts tile the cell: none overlaps another, and their volumes add up to that of the cell.
+//!
+//! **Order.** Next comes the material, or void, whose plane fits the cells around best, the one listed first among equals; or, with
+//! [`Materials::Listed`](super::Materials), the first of the list that has a normal, and void is what is left. How normals
+//! are found where materials are gone already is told in `order`. What has no normal waits for the others; what still has none then
+//! stays mixed, in equal parts everywhere in the rest.
+//!
+//! **Positions** are found on what is left: [regions](vofkit_geometry::clip) with straight edges in the cell's own frame. In 2D they
+//! are the cell to the bit, in 3D ruled faces become four triangles about their middles: no volume changes by it.
+
+use std::cell::RefCell;
+
+use vofkit_geometry::clip::{Full, Region, Side, Tile};
+use vofkit_geometry::root::{self, Root};
+use vofkit_geometry::tolerance::{POSITION_EVALUATIONS, POSITION_FAILURE, POSITION_RESIDUAL};
+use vofkit_geometry::{Cell, HalfSpace, PositionError, Vector};
+
+use super::order::{Queue, Waiting};
+use super::sharing::void;
+use super::{Counts, Placed, Reconstruction, ReconstructionError};
+use crate::mesh::Mesh;
+use crate::normal::frame::Frame;
+use crate::normal::{Direction, Material, NoNormal};
+
+/// What planes make of a cell.
+type RegionOf<C, const D: usize> = <<C as Cell<D>>::Tile as Tile<D>>::Region;
+
+/// A cell that several materials share.
+#[derive(Clone, Copy, Debug)]
+pub struct Shared<'a, C, const D: usize> {
+    /// The mesh.
+    pub mesh: &'a Mesh<C, D>,
+    /// The fractions, `[material][cell]`.
+    pub fractions: &'a [Vec<f64>],
+    /// The cell's index.
+    pub index: usize,
+    /// [`Mesh::local_cell`].
+    pub cell: &'a C,
+}
+
+/// One cut: what is left of the cell in the half-space is the material's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cut<const D: usize> {
+    /// The material; none for void.
+    pub material: Option<usize>,
+    /// Its half-space, in the coordinates of [`Mesh::local_cell`].
+    pub half_space: HalfSpace<D>,
+}
+
+/// Dissects cells; keeps its memory from one to the next.
+#[derive(Clone, Debug)]
+pub struct Dissector<C: Cell<D>, const D: usize> {
+    queue: Queue<C, D>,
+    /// What is left, with the piece that it is of.
+    rest: Vec<(usize, RegionOf<C, D>)>,
+    /// The same after the next cut.
+    next: Vec<(usize, RegionOf<C, D>)>,
+    cuts: Vec<Cut<D>>,
+}
+
+impl<C: Cell<D>, const D: usize> Default for Dissector<C, D> {
+    fn default() -> Self {
+        Self { queue: Queue::new(), rest: Vec::new(), next: Vec::new(), cuts: Vec::new() }
+    }
+}
+
+impl<C: Cell<D>, const D: usize> Dissector<C, D> {
+    /// Cuts `pieces`, cells in the coordinates of [`Mesh::local_cell`] that tile the cell, into the parts of its materials. The
+    /// volumes of a material add up to its fraction of the cell, and those in a piece, void included, to the piece.
+    /// Each is given to `part` as piece, material and volume relative to the cell's; some come in several parts.
+    ///
+    /// # Errors
+    /// Fractions that add up to more than 1, or a plane constant that was not found.
+    pub fn dissect(
+        &mut self,
+        shared: Shared<'_, C, D>,
+        pieces: impl IntoIterator<Item = C>,
+        method: Reconstruction,
+        mut part: impl FnMut(usize, usize, f64),
+    ) -> Result<Counts, ReconstructionError> {
+        let Shared { mesh, fractions, index, cell } = shared;
+        let frame = Frame::new(cell);
+        self.rest.clear();
+        self.rest.extend(pieces.into_iter().enumerate().map(|(i, piece)| (i, region(&piece, &frame))));
+        self.cuts.clear();
+        let void = void(mesh, fractions, index)?;
+        self.queue.fill(mesh.grid(), fractions, void, index, method.materials);
+        let whole: f64 = self.rest.iter().map(|(_, region)| region.volume()).sum();
+        let mut counts = Counts::default();
+        let mut give = |piece, material: Option<usize>, volume| {
+            if let Some(material) = material {
+                part(piece, material, volume / whole);
+            }
+        };
+        while !self.queue.is_settled()
+            && let Some((next, stencil)) = self.queue.next()
+        {
+            let Waiting { material, fraction, ref mut refused, .. } = self.queue.waiting[next];
+            // The stencil has the fractions; only the place is taken from the material.
+            let around = Material { mesh, fractions: &fractions[material.unwrap_or(0)], centroids: None };
+            let found = method.normal.normal_among(around, index, cell, stencil, method.position);
+            let Direction { normal, determined, trials } = match found {
+                Ok(direction) => direction,
+                Err(reason) => {
+                    *refused = Some(reason);
+                    continue;
+                }
+            };
+            let normal = frame.normal(&normal);
+            let Root { position, residual, evaluations } = self.position(&normal, self.queue.share(next));
+            if !(residual.abs() <= POSITION_FAILURE * whole) {
+                let source = PositionError::NoConvergence { residual: residual / whole, evaluations };
+                let cell = mesh.grid().offset(index).to_vec();
+                return Err(ReconstructionError::Cell { cell, fraction, source });
+            }
+            let half_space = HalfSpace { normal, constant: position };
+            self.cut(&half_space, |piece, volume| give(piece, material, volume));
+            let half_space = frame.half_space_in_space(&half_space);
+            self.cuts.push(Cut { material, half_space });
+            counts.count(&Placed::Plane { half_space, determined, trials, evaluations, closed_form: false });
+            self.queue.remove(next);
+        }
+        let settled = self.queue.is_settled();
+        for (place, waiting) in self.queue.waiting.iter().enumerate() {
+            for (piece, region) in &self.rest {
+                give(*piece, waiting.material, region.volume() * self.queue.share(place));
+            }
+            if !settled && waiting.material.is_some() {
+                counts.count(&Placed::<D>::NoNormal(waiting.refused.unwrap_or(NoNormal::Balanced)));
+            }
+        }
+        Ok(counts)
+    }
+
+    /// The cuts of the last cell, in order.
+    pub fn cuts(&self) -> &[Cut<D>] {
+        &self.cuts
+    }
+
+    /// The material that got all that the cuts left of the last cell, if one did.
+    pub fn last(&self) -> Option<usize> {
+        if self.queue.is_settled() { self.queue.waiting[0].material } else { None }
+    }
+
+    /// The plane constant that leaves `share` of the rest below, with the residual as a volume.
+    fn position(&self, normal: &Vector<D>, share: f64) -> Root {
+        let rest: f64 = self.rest.iter().map(|(_, region)| region.volume()).sum();
+        // The smaller part keeps its relative accuracy.
+        let (sign, goal) = if share <= 0.5 { (1.0, share * rest) } else { (-1.0, (1.0 - share) * rest) };
+        let normal = normal * sign;
+        let heights = self.rest.iter().flat_map(|(_, region)| region.corners()).map(|x| normal.dot(x));
+        let [low, high] = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], h| [a.min(h), b.max(h)]);
+        let spare = RefCell::new(RegionOf::<C, D>::empty());
+        let below = |constant: f64| {
+            let half_space = HalfSpace { normal, constant };
+            let volume = |(_, region): &(usize, RegionOf<C, D>)| {
+                volume_below(region, &half_space, &mut spare.borrow_mut())
+            };
+            self.rest.iter().map(volume).sum::<f64>() - goal
+        };
+        let tolerance = POSITION_RESIDUAL * goal;
+        let mut root = root::brent(below, [low, high], [-goal, rest - goal], tolerance, POSITION_EVALUATIONS);
+        root.position *= sign;
+        root
+    }
+
+    /// Takes what lies in the half-space from the rest, and gives its volumes to `part` by piece.
+    fn cut(&mut self, half_space: &HalfSpace<D>, mut part: impl FnMut(usize, f64)) {
+        let Self { rest, next, .. } = self;
+        next.clear();
+        for (piece, region) in rest.drain(..) {
+            split(region, half_space, &mut |volume| part(piece, volume), &mut |above| {
+                next.push((piece, above))
+            });
+        }
+        std::mem::swap(rest, next);
+    }
+}
+
+/// Gives the volume in a half-space and what is left of a region; where there is no room for that, of its simplices, which
+/// always have it.
+fn split<R: Region<D>, const D: usize>(
+    region: R,
+    half_space: &HalfSpace<D>,
+    below: &mut dyn FnMut(f64),
+    above: &mut dyn FnMut(R),
+) {
+    let (mut part, mut rest) = (R::empty(), R::empty());
+    match region.split(half_space, &mut part, &mut rest) {
+        Ok(Side::Below) => below(region.volume()),
+        Ok(Side::Above) => above(region),
+        Ok(Side::Across) => {
+            below(part.volume());
+            above(rest);
+        }
+        Err(Full) => region.simplices(&mut |simplex| split(simplex.clone(), half_space, below, above)),
+    }
+}
+
+/// The volume of a region in a half-space.
+fn volume_below<R: Region<D>, const D: usize>(region: &R, half_space: &HalfSpace<D>, part: &mut R) -> f64 {
+    match region.cut(half_space, part) {
+        Ok(Side::Below) => region.volume(),
+        Ok(Side::Above) => 0.0,
+        Ok(Side::Across) => part.volume(),
+        Err(Full) => {
+            let mut sum = 0.0;
+            region.simplices(&mut |simplex| sum += volume_below(simplex, half_space, part));
+            sum
+        }
+    }
+}
+
+/// A cell as a region in the frame of another.
+fn region<C: Cell<D>, const D: usize>(cell: &C, frame: &Frame<D>) -> RegionOf<C, D> {
+    let mut nodes = [Vector::zeros(); 8];
+    let mut middles = [Vector::zeros(); 6];
+    let count = cell.nodes().len();
+    for (place, x) in nodes.iter_mut().zip(cell.nodes()) {
+        *place = frame.point(x);
+    }
+    for (middle, face) in middles.iter_mut().zip(C::FACE_NODES) {
+        *middle = face.iter().map(|&node| nodes[node]).sum::<Vector<D>>() / face.len() as f64;
+    }
+    RegionOf::<C, D>::fans(&nodes[..count], &middles[..C::FACES])
+}
