@@ -2,9 +2,10 @@
 
 mod common;
 
-use common::{Mesh2, Mesh3, random, unit_mesh};
+use common::{Mesh2, Mesh3, drift, random, run, steady, transport, unit_mesh};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+use vofkit::advection::{Settings, StepError, SweepAxes, Transport};
 use vofkit::facet::Facet;
 use vofkit::fractions::volume_fractions;
 use vofkit::geometry::clip::{Region, Side, Tile};
@@ -13,8 +14,10 @@ use vofkit::interface::{
     Counts, Dissector, Materials, Reconstruction, ReconstructionError, Shared, reconstruct,
 };
 use vofkit::mesh::{Distortion, Mesh};
+use vofkit::metrics::{fragments, material_volume, shape_error};
 use vofkit::normal::NormalMethod;
 use vofkit::shape::Shape;
+use vofkit::velocity::Field;
 
 fn method(materials: Materials) -> Reconstruction {
     Reconstruction { materials, ..Reconstruction::default() }
@@ -304,4 +307,68 @@ fn fractions_that_add_up_to_more_than_one_are_an_error() {
     fractions[1][5] = f64::NAN;
     let error = reconstruct(&mesh, &fractions, Reconstruction::default()).map(|_| ()).unwrap_err();
     assert!(matches!(error, ReconstructionError::Cell { cell, .. } if cell == [2, 1]));
+}
+
+/// Seven discs that touch, as in Fig. 42.
+fn seven_discs() -> Vec<Shape<2>> {
+    let disc = |x: f64, y: f64| Shape::Sphere { centre: [x, y].into(), radius: 0.13 };
+    let around = (0..6).map(|i| f64::from(i) * std::f64::consts::FRAC_PI_3);
+    let around = around.map(|angle| disc(0.5 + 0.26 * angle.cos(), 0.5 + 0.26 * angle.sin()));
+    std::iter::once(disc(0.5, 0.5)).chain(around).collect()
+}
+
+#[test]
+fn seven_touching_discs_keep_their_identity_over_a_revolution() {
+    let centre = Vector::<3>::new(0.5, 0.5, 0.0);
+    let rotation = Field::Rotation { centre, angular_velocity: Vector::<3>::new(0.0, 0.0, 1.0) };
+    for distortion in [Distortion::None, random(0.2, 1)] {
+        let mesh: Mesh2 = unit_mesh(30, distortion);
+        let start = volume_fractions(&mesh, &seven_discs());
+        let mut fractions = start.clone();
+        let mut transport = transport(&mesh, steady(rotation), SweepAxes::Logical);
+        let end = std::f64::consts::TAU;
+        let steps = (end * transport.courant_rate() / 0.5).ceil() as usize;
+        let ledger = run(&mut transport, &mut fractions, steps, end).expect("steps within the limit");
+        for (k, account) in ledger.materials.iter().enumerate() {
+            let drift = drift(&mesh, &start[k], &fractions[k], account.outflow);
+            assert!(drift.abs() <= 1e-12, "disc {k} drifts by {drift:e}");
+            assert!(account.smallest >= -1e-12 && account.largest <= 1.0 + 1e-12, "{account:?}");
+            assert!(account.rescaled <= 1e-13, "{account:?}");
+            let pieces = fragments(&mesh, &fractions[k]);
+            assert!(pieces.stray_volume <= 1e-3, "disc {k}: {pieces:?}");
+            let error = shape_error(&mesh, &fractions[k], &start[k]) / material_volume(&mesh, &start[k]);
+            assert!(error <= 0.25, "disc {k} is wrong by {error}");
+        }
+    }
+}
+
+#[test]
+fn materials_that_fill_a_mesh_go_on_filling_it_3d() {
+    let mesh: Mesh3 = unit_mesh(8, random(0.2, 4));
+    let start = volume_fractions(&mesh, &three_sectors(0.45));
+    for axes in [SweepAxes::Logical, SweepAxes::Cartesian] {
+        let mut fractions = start.clone();
+        let mut transport = transport(&mesh, steady(Field::Deformation3d), axes);
+        let end = 2.0 / transport.courant_rate();
+        let ledger = run(&mut transport, &mut fractions, 5, end).expect("steps within the limit");
+        let gaps = (0..mesh.grid().len()).map(|i| fractions.iter().map(|f| f[i]).sum::<f64>() - 1.0);
+        let gap = gaps.map(f64::abs).fold(0.0, f64::max);
+        if axes == SweepAxes::Logical {
+            assert!(gap <= 1e-12, "void of {gap:e}");
+            for (k, account) in ledger.materials.iter().enumerate() {
+                let drift = drift(&mesh, &start[k], &fractions[k], account.outflow);
+                assert!(drift.abs() <= 1e-12, "material {k} drifts by {drift:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_inflow_of_a_material_that_is_not_there_is_an_error() {
+    let mesh: Mesh2 = unit_mesh(4, Distortion::None);
+    let settings = Settings { inflow: Some(1), ..Settings::default() };
+    let mut transport = Transport::new(&mesh, steady(Field::Eq101), settings).expect("a transport");
+    let mut fractions = vec![vec![0.0; 16]];
+    let error = transport.step(&mut fractions, 0, 0.0, 1e-3).unwrap_err();
+    assert_eq!(error, StepError::Inflow { material: 1, materials: 1 });
 }

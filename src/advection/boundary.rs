@@ -2,6 +2,7 @@
 
 use vofkit_geometry::Cell;
 
+use super::transport::StepError;
 use crate::mesh::{Grid, Mesh, axis_name};
 use crate::velocity::FaceFluxes;
 
@@ -40,6 +41,14 @@ pub struct WallCrossed {
 }
 
 impl<const D: usize> Boundary<D> {
+    /// Checks that what flows in is one of so many materials.
+    pub(super) fn check_inflow(&self, materials: usize) -> Result<(), StepError> {
+        match self.inflow {
+            Some(material) if material >= materials => Err(StepError::Inflow { material, materials }),
+            _ => Ok(()),
+        }
+    }
+
     /// The fraction of a material in what flows in through open ends.
     pub fn inflow_fraction(&self, material: usize) -> f64 {
         if self.inflow == Some(material) { 1.0 } else { 0.0 }

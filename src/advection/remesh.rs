@@ -67,6 +67,7 @@ impl<const D: usize> Remesh<D> {
             .map(|ends| SweptVolumes::new(ends[0], ends[1]))
             .collect::<Result<Vec<_>, _>>()?;
         let boundary = self.boundary_of(from, &legs)?;
+        boundary.check_inflow(fractions.len())?;
         // What is a multiple of a coarser power of two is one of all finer ones.
         let quanta = legs.iter().map(SweptVolumes::quanta).reduce(Quanta::coarser).expect("there is a leg");
         let rules = Rules {

@@ -160,14 +160,17 @@ impl<C: Cell<D>, const D: usize> Stage<'_, C, D> {
         wanted: f64,
         half_space: &HalfSpace<D>,
     ) -> f64 {
-        let region = match &self.regions {
-            Regions::Slabs => {
-                let volume = cell.volume();
-                if let Some(lengths) = self.mesh.spacing() {
-                    return volume * part_of_slab(&lengths, half_space, face, wanted / volume);
-                }
-                cell.slab(face, wanted / volume)
-            }
+        if let (Regions::Slabs, Some(lengths)) = (&self.regions, self.mesh.spacing()) {
+            let volume = cell.volume();
+            return volume * part_of_slab(&lengths, half_space, face, wanted / volume);
+        }
+        self.region(cell, offset, face, wanted).truncate(half_space).volume
+    }
+
+    /// The region behind `face` that has the wanted volume.
+    pub(super) fn region(&self, cell: &C, offset: [usize; D], face: usize, wanted: f64) -> C {
+        match &self.regions {
+            Regions::Slabs => cell.slab(face, wanted / cell.volume()),
             Regions::Traced { nodes, duration, axis } => {
                 let displacement = |node: usize| {
                     let whole = nodes.displacement(node, *duration);
@@ -181,8 +184,18 @@ impl<C: Cell<D>, const D: usize> Stage<'_, C, D> {
                 let (front, moves) = self.face(cell, offset, face, moves);
                 moved_back(&front[..C::FACE_NODES[face].len()], &moves, 1.0)
             }
-        };
-        region.truncate(half_space).volume
+        }
+    }
+
+    /// The slabs behind the two faces of a sweep along mesh lines with the wanted volumes, and what they leave of the cell: together
+    /// they are the cell. None in other sweeps.
+    pub(super) fn slabs(&self, cell: &C, wanted: impl Fn(usize) -> f64) -> Option<[C; 3]> {
+        let Regions::Slabs = self.regions else { return None };
+        let [low, high] = [self.faces.start, self.faces.start + 1];
+        let [of_low, of_high] = [low, high].map(|face| wanted(face) / cell.volume());
+        let above_low = cell.slab(high, 1.0 - of_low);
+        let middle = above_low.slab(low, 1.0 - of_high / (1.0 - of_low));
+        Some([cell.slab(low, of_low), cell.slab(high, of_high), middle])
     }
 
     /// The nodes of a face of a cell in its local coordinates, and what `of_node` says about each.

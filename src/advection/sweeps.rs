@@ -13,8 +13,9 @@
 //! a cell counts as full of the material where it was at least half full at the start of the step, else as free of it. These terms
 //! cancel over the step.
 //!
-//! Several materials are cut each by a plane of its own, and what leaves is then fitted to what the cell holds (`share`), so
-//! that neither volume nor the fullness of a cell is lost where their planes do not match.
+//! Several materials in a cell are cut one after the other. Along mesh lines the slabs and what they leave of the cell are cut
+//! together, so that what leaves adds up to what the faces carry and what stays to what the cell holds. Where planes are independent, or regions
+//! overlap, what leaves is fitted to what the cell holds (`share`), so that neither volume nor the fullness of a cell is lost.
 
 use vofkit_geometry::Cell;
 
@@ -25,9 +26,10 @@ use super::schedule::Share;
 use super::share::share;
 use super::stage::{Outward, Stage};
 use super::transport::StepError;
-use crate::interface::{self, Placed, Reconstruction, is_mixed};
+use crate::interface::{
+    Counts, Dissector, Placed, Reconstruction, ReconstructionError, Shared, is_mixed, planes_of_all, region,
+};
 use crate::mesh::Grid;
-use crate::normal::Material;
 use crate::parallel;
 use crate::quanta::Quanta;
 use crate::tolerance::{FRACTION_ROUNDING, OUTFLOW_EXCESS};
@@ -134,8 +136,18 @@ struct Mixed<const D: usize> {
     planes: Vec<Option<Placed<D>>>,
     /// What they give, by face and material.
     given: Vec<f64>,
-    /// Faces whose region was cut, by block of mixed cells.
-    cut: Vec<usize>,
+    /// By block of mixed cells.
+    gifts: Vec<Gifts>,
+}
+
+/// What a block of mixed cells did when it gave.
+#[derive(Clone, Debug, Default)]
+struct Gifts {
+    /// Faces whose region was cut.
+    cut: usize,
+    /// Materials that were cut one after the other.
+    counts: Counts,
+    error: Option<ReconstructionError>,
 }
 
 impl<const D: usize> Default for Sweeps<D> {
@@ -150,7 +162,7 @@ impl<const D: usize> Default for Sweeps<D> {
                 number: Vec::new(),
                 planes: Vec::new(),
                 given: Vec::new(),
-                cut: Vec::new(),
+                gifts: Vec::new(),
             },
         }
     }
@@ -221,8 +233,16 @@ impl<C: Cell<D>, const D: usize> Sweep<'_, C, D> {
         }
     }
 
-    /// What leaves a mixed cell, by face and material; returns how many regions were cut.
-    fn give(&self, slot: usize, member: &Member, planes: &[Option<Placed<D>>], given: &mut [f64]) -> usize {
+    /// What leaves a mixed cell, by face and material.
+    fn give(
+        &self,
+        slot: usize,
+        member: &Member,
+        planes: &[Option<Placed<D>>],
+        dissector: &mut Option<Dissector<C, D>>,
+        given: &mut [f64],
+        gifts: &mut Gifts,
+    ) -> Result<(), ReconstructionError> {
         let (stage, materials) = (self.stage, self.fractions.len());
         let place = &self.band.places()[slot];
         let index = place.cell();
@@ -231,17 +251,25 @@ impl<C: Cell<D>, const D: usize> Sweep<'_, C, D> {
             outward[face] = self.flux(slot, face).max(0.0);
         }
         given.fill(0.0);
-        let mut cut = 0;
         let tracked = self.tracked(member);
         let volume = stage.mesh.volumes()[index];
         let cell = stage.mesh.local_cell(index);
+        // Only with overdraft there may be nothing left to give from.
+        if tracked > 0.0 && planes.contains(&Some(Placed::Nested)) {
+            let shared = Shared { mesh: stage.mesh, fractions: self.fractions, index, cell: &cell };
+            let wanted = |face: usize| (outward[face] * (volume / tracked)).min(volume);
+            let dissector = dissector.get_or_insert_default();
+            gifts.counts.add(&self.dissect(dissector, shared, place.offset(), wanted, tracked, given)?);
+            gifts.cut += outward.iter().filter(|&&flux| flux > 0.0).count() * planes.iter().flatten().count();
+            share(&outward, tracked, |material| self.fractions[material][index] * tracked, materials, given);
+            return Ok(());
+        }
         for (material, f) in self.fractions.iter().enumerate() {
             for face in stage.faces.clone().filter(|&face| outward[face] > 0.0) {
                 let flux = outward[face];
                 given[face * materials + material] = match &planes[material] {
-                    // Only with overdraft there may be nothing left to give from.
                     Some(Placed::Plane { half_space, .. }) if tracked > 0.0 => {
-                        cut += 1;
+                        gifts.cut += 1;
                         let wanted = (flux * (volume / tracked)).min(volume);
                         let inside = stage.part(&cell, place.offset(), face, wanted, half_space);
                         (inside.clamp(0.0, wanted) * (tracked / volume)).min(flux)
@@ -253,7 +281,39 @@ impl<C: Cell<D>, const D: usize> Sweep<'_, C, D> {
         if materials > 1 && tracked > 0.0 {
             share(&outward, tracked, |material| self.fractions[material][index] * tracked, materials, given);
         }
-        cut
+        Ok(())
+    }
+
+    /// What leaves a cell whose materials are cut one after the other.
+    fn dissect(
+        &self,
+        dissector: &mut Dissector<C, D>,
+        shared: Shared<'_, C, D>,
+        offset: [usize; D],
+        wanted: impl Fn(usize) -> f64,
+        tracked: f64,
+        given: &mut [f64],
+    ) -> Result<Counts, ReconstructionError> {
+        let (stage, materials) = (self.stage, self.fractions.len());
+        let method = self.rules.reconstruction;
+        if let Some(slabs) = stage.slabs(shared.cell, &wanted) {
+            return dissector.dissect(shared, slabs, method, |slab, material, volume| {
+                if slab < 2 {
+                    given[(stage.faces.start + slab) * materials + material] += volume * tracked;
+                }
+            });
+        }
+        let counts = dissector.dissect(shared, [*shared.cell], method, |_, _, _| {})?;
+        let scale = tracked / shared.cell.volume();
+        for face in stage.faces.clone().filter(|&face| wanted(face) > 0.0) {
+            let piece = stage.region(shared.cell, offset, face, wanted(face));
+            dissector.divide(region(&piece, |x| *x), |material, volume| {
+                given[face * materials + material] += volume * scale;
+            });
+            // The parts of a region that folds over may be negative.
+            given[face * materials..][..materials].iter_mut().for_each(|amount| *amount = amount.max(0.0));
+        }
+        Ok(counts)
     }
 
     /// Whether a cell gives away more than it holds, and through how many faces it gives.
@@ -415,8 +475,7 @@ impl<const D: usize> Sweeps<D> {
         let Self { members, outward, contents, accounts, mixed } = self;
         let sweep = Sweep { rules, stage, band, outward, fractions };
         mixed.collect(&sweep, contents, ledger)?;
-        mixed.give(&sweep, members);
-        ledger.faces_cut += mixed.cut.iter().sum::<usize>();
+        mixed.give(&sweep, members, ledger)?;
         parallel::for_each_block(members, contents, accounts, |first, members, contents, account| {
             account.reset();
             let cells = members.iter_mut().zip(contents.chunks_exact_mut(materials)).enumerate();
@@ -462,42 +521,54 @@ impl<const D: usize> Mixed<D> {
                 self.slots.push(slot as u32);
             }
         }
-        self.planes.clear();
-        self.planes.resize(self.slots.len() * materials, None);
         let method = sweep.rules.reconstruction;
         let gives = |slot: usize| sweep.stage.faces.clone().any(|face| sweep.flux(slot, face) > 0.0);
-        for (k, fractions) in sweep.fractions.iter().enumerate() {
-            let needs_plane = |slot: &u32| {
-                let slot = *slot as usize;
-                is_mixed(contents[slot * materials + k].fraction)
-                    && (method.normal.reads_neighbours() || gives(slot))
-            };
-            let wanted: Vec<u32> = self.slots.iter().copied().filter(needs_plane).collect();
-            let cells: Vec<usize> = wanted.iter().map(|&slot| places[slot as usize].cell()).collect();
-            let material = Material { mesh: sweep.stage.mesh, fractions, centroids: None };
-            let placed = interface::planes(material, &cells, method)?;
-            for (slot, placed) in wanted.into_iter().zip(placed) {
-                ledger.counts.count(&placed);
-                self.planes[self.number[slot as usize] as usize * materials + k] = Some(placed);
-            }
+        let needed = |&&slot: &&u32| method.normal.reads_neighbours() || gives(slot as usize);
+        let (numbers, cells): (Vec<usize>, Vec<usize>) = (self.slots.iter().enumerate())
+            .filter(|(_, slot)| needed(slot))
+            .map(|(number, &slot)| (number, places[slot as usize].cell()))
+            .unzip();
+        let mesh = sweep.stage.mesh;
+        let placed = planes_of_all(mesh, sweep.fractions, &cells, method, &mut ledger.counts)?;
+        self.planes.clear();
+        self.planes.resize(self.slots.len() * materials, None);
+        for (number, placed) in numbers.into_iter().zip(placed.chunks_exact(materials)) {
+            self.planes[number * materials..][..materials].copy_from_slice(placed);
         }
         Ok(())
     }
 
     /// What they give.
-    fn give<C: Cell<D>>(&mut self, sweep: &Sweep<'_, C, D>, members: &[Member]) {
+    fn give<C: Cell<D>>(
+        &mut self,
+        sweep: &Sweep<'_, C, D>,
+        members: &[Member],
+        ledger: &mut Ledger,
+    ) -> Result<(), StepError> {
         let materials = sweep.fractions.len();
-        let Self { slots, planes, given, cut, .. } = self;
+        let Self { slots, planes, given, gifts, .. } = self;
         given.resize(slots.len() * C::FACES * materials, 0.0);
-        cut.clear();
-        cut.resize(parallel::blocks(slots.len()), 0);
-        parallel::for_each_block(slots, given, cut, |first, slots, given, cut| {
+        gifts.clear();
+        gifts.resize(parallel::blocks(slots.len()), Gifts::default());
+        parallel::for_each_block(slots, given, gifts, |first, slots, given, gifts| {
+            let mut dissector = None;
             for (i, given) in given.chunks_exact_mut(C::FACES * materials).enumerate() {
                 let slot = slots[i] as usize;
                 let planes = &planes[(first + i) * materials..][..materials];
-                *cut += sweep.give(slot, &members[slot], planes, given);
+                if let Err(error) = sweep.give(slot, &members[slot], planes, &mut dissector, given, gifts) {
+                    gifts.error = Some(error);
+                    return;
+                }
             }
         });
+        for gifts in gifts {
+            if let Some(error) = gifts.error.take() {
+                return Err(error.into());
+            }
+            ledger.counts.add(&gifts.counts);
+            ledger.faces_cut += gifts.cut;
+        }
+        Ok(())
     }
 }
 

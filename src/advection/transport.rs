@@ -62,6 +62,14 @@ pub enum StepError {
         /// The fraction of a material that would be in it; not a number where the pre-image folds too often to be cut.
         fraction: f64,
     },
+    /// Open ends through which a material flows in that is not there.
+    #[error("material {material} is to flow in through open ends, and there are {materials}")]
+    Inflow {
+        /// The material.
+        material: usize,
+        /// The number of materials.
+        materials: usize,
+    },
     /// A plane that was not found.
     #[error(transparent)]
     Reconstruction(#[from] ReconstructionError),
@@ -159,6 +167,7 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
         start: f64,
         end: f64,
     ) -> Result<Ledger, StepError> {
+        self.boundary.check_inflow(fractions.len())?;
         let duration = self.velocity.duration(start, end);
         if duration == 0.0 || fractions.is_empty() {
             return Ok(Ledger::new(fractions.len()));

@@ -10,6 +10,7 @@ pub mod sharing;
 
 use vofkit_geometry::{Cell, HalfSpace, PositionError, PositionMethod};
 
+pub(crate) use nested::region;
 pub use nested::{Cut, Dissector, Shared};
 pub use sharing::Materials;
 pub(crate) use sharing::planes_of_all;

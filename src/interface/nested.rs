@@ -82,7 +82,8 @@ impl<C: Cell<D>, const D: usize> Dissector<C, D> {
         let Shared { mesh, fractions, index, cell } = shared;
         let frame = Frame::new(cell);
         self.rest.clear();
-        self.rest.extend(pieces.into_iter().enumerate().map(|(i, piece)| (i, region(&piece, &frame))));
+        let regions = pieces.into_iter().map(|piece| region(&piece, |x| frame.point(x)));
+        self.rest.extend(regions.enumerate());
         self.cuts.clear();
         let void = void(mesh, fractions, index)?;
         self.queue.fill(mesh.grid(), fractions, void, index, method.materials);
@@ -121,16 +122,38 @@ impl<C: Cell<D>, const D: usize> Dissector<C, D> {
             counts.count(&Placed::Plane { half_space, determined, trials, evaluations, closed_form: false });
             self.queue.remove(next);
         }
+        self.leave(give);
         let settled = self.queue.is_settled();
+        for waiting in self.queue.waiting.iter().filter(|waiting| !settled && waiting.material.is_some()) {
+            counts.count(&Placed::<D>::NoNormal(waiting.refused.unwrap_or(NoNormal::Balanced)));
+        }
+        Ok(counts)
+    }
+
+    /// Cuts another region, in the coordinates of [`Mesh::local_cell`], with the cuts of the last cell: `part` is given
+    /// materials and volumes, which add up to the region with void.
+    pub fn divide(&mut self, region: RegionOf<C, D>, mut part: impl FnMut(usize, f64)) {
+        self.rest.clear();
+        self.rest.push((0, region));
+        let mut give = |_, material: Option<usize>, volume| {
+            if let Some(material) = material {
+                part(material, volume);
+            }
+        };
+        for place in 0..self.cuts.len() {
+            let Cut { material, half_space } = self.cuts[place];
+            self.cut(&half_space, |piece, volume| give(piece, material, volume));
+        }
+        self.leave(give);
+    }
+
+    /// Gives what the cuts left to those that wait.
+    fn leave(&self, mut give: impl FnMut(usize, Option<usize>, f64)) {
         for (place, waiting) in self.queue.waiting.iter().enumerate() {
             for (piece, region) in &self.rest {
                 give(*piece, waiting.material, region.volume() * self.queue.share(place));
             }
-            if !settled && waiting.material.is_some() {
-                counts.count(&Placed::<D>::NoNormal(waiting.refused.unwrap_or(NoNormal::Balanced)));
-            }
         }
-        Ok(counts)
     }
 
     /// The cuts of the last cell, in order.
@@ -212,13 +235,16 @@ fn volume_below<R: Region<D>, const D: usize>(region: &R, half_space: &HalfSpace
     }
 }
 
-/// A cell as a region in the frame of another.
-fn region<C: Cell<D>, const D: usize>(cell: &C, frame: &Frame<D>) -> RegionOf<C, D> {
+/// A cell as a region, its points taken elsewhere.
+pub(crate) fn region<C: Cell<D>, const D: usize>(
+    cell: &C,
+    to: impl Fn(&Vector<D>) -> Vector<D>,
+) -> RegionOf<C, D> {
     let mut nodes = [Vector::zeros(); 8];
     let mut middles = [Vector::zeros(); 6];
     let count = cell.nodes().len();
     for (place, x) in nodes.iter_mut().zip(cell.nodes()) {
-        *place = frame.point(x);
+        *place = to(x);
     }
     for (middle, face) in middles.iter_mut().zip(C::FACE_NODES) {
         *middle = face.iter().map(|&node| nodes[node]).sum::<Vector<D>>() / face.len() as f64;
