@@ -21,7 +21,7 @@ use super::schedule::{Share, Turn};
 use crate::mesh::{Grid, Mesh};
 use crate::parallel;
 use crate::space::{planar, spatial};
-use crate::tolerance::{SWEPT_VOLUME_RATIO, TRACE_ITERATIONS};
+use crate::tolerance::{OUTFLOW_EXCESS, SWEPT_VOLUME_RATIO, TRACE_ITERATIONS};
 use crate::velocity::{Field, StepFluxes};
 
 /// Velocities and accelerations at the nodes, for tracing them back.
@@ -188,13 +188,17 @@ impl<C: Cell<D>, const D: usize> Stage<'_, C, D> {
     }
 
     /// The slabs behind the two faces of a sweep along mesh lines with the wanted volumes, and what they leave of the cell: together
-    /// they are the cell. None in other sweeps.
+    /// they are the cell. None in other sweeps, and where a cell gives more than it holds.
     pub(super) fn slabs(&self, cell: &C, wanted: impl Fn(usize) -> f64) -> Option<[C; 3]> {
         let Regions::Slabs = self.regions else { return None };
         let [low, high] = [self.faces.start, self.faces.start + 1];
         let [of_low, of_high] = [low, high].map(|face| wanted(face) / cell.volume());
+        if of_low + of_high > 1.0 + OUTFLOW_EXCESS {
+            return None;
+        }
         let above_low = cell.slab(high, 1.0 - of_low);
-        let middle = above_low.slab(low, 1.0 - of_high / (1.0 - of_low));
+        let left = if of_low < 1.0 { 1.0 - of_high / (1.0 - of_low) } else { 0.0 };
+        let middle = above_low.slab(low, left);
         Some([cell.slab(low, of_low), cell.slab(high, of_high), middle])
     }
 
