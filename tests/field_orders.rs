@@ -103,11 +103,11 @@ fn the_largest_factor_on_min_mod() {
             Quantity { scheme: Scheme::Tvd(Limiter::ScaledMinMod { alpha }), ..Quantity::default() };
         let mut values = vec![start.clone()];
         (0..200).any(|step| {
-            let before = total_variation(&mesh, &values[0]);
+            let before = total_variation(mesh.grid(), &values[0]);
             transport
                 .flow(&fluxes, courant / n as f64, step, &[quantity], &mut values)
                 .expect("a valid step");
-            total_variation(&mesh, &values[0]) > before * (1.0 + 1e-12)
+            total_variation(mesh.grid(), &values[0]) > before * (1.0 + 1e-12)
         })
     };
     for courant in [0.5_f64, 0.55, 0.6, 0.7, 0.8, 0.9, 0.95] {

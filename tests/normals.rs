@@ -291,7 +291,7 @@ fn normals_turn_with_mesh_and_field() {
         let here = placed(&mesh, &fractions, method);
         let normal = |placed: &Placed<3>| match placed {
             Placed::Plane { half_space, .. } => half_space.normal,
-            Placed::NoNormal(reason) => panic!("{reason:?}"),
+            other => panic!("{other:?}"),
         };
         // The logical form takes logical axes for Cartesian ones.
         if method != NormalMethod::YoungsLogical {

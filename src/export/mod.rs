@@ -3,7 +3,7 @@
 //! - `file`: every file is complete or absent; all exporters write through [`write_file`];
 //! - `vtk` (feature `vtk`): meshes with fields (`.vts`), interfaces (`.vtp`) and time series (`.pvd`);
 //! - `obj` (feature `obj`): interfaces as triangulated Wavefront OBJ, by way of `triangulation`;
-//! - `picture` (feature `plot`): two-dimensional pictures as SVG.
+//! - `picture` and `plot` (feature `plot`): two-dimensional pictures, curves and maps as SVG.
 //!
 //! Values that are not finite are written as they are; names may hold anything.
 
@@ -15,6 +15,8 @@ mod file;
 pub mod obj;
 #[cfg(feature = "plot")]
 pub mod picture;
+#[cfg(feature = "plot")]
+pub mod plot;
 #[cfg(feature = "obj")]
 mod triangulation;
 #[cfg(feature = "vtk")]

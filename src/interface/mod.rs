@@ -284,9 +284,8 @@ pub fn reconstruct<C: Cell<D>, const D: usize>(
             let counts = dissector.dissect(shared, [cell], method, |_, _, _| {})?;
             return Ok((counts, nested_facets(mesh, index, dissector.cuts(), dissector.last())));
         }
-        let own = |(material, placed): (usize, &Option<Placed<D>>)| {
-            facet(mesh, index, material, placed.as_ref()?)
-        };
+        let own =
+            |(material, placed): (usize, &Option<Placed<D>>)| facet(mesh, index, material, placed.as_ref()?);
         Ok((Counts::default(), planes.iter().enumerate().filter_map(own).collect()))
     });
     for made in made {

@@ -2,7 +2,7 @@
 
 use vofkit_geometry::Cell;
 
-use crate::mesh::Mesh;
+use crate::mesh::{Grid, Mesh};
 use crate::parallel;
 
 /// `sum phi V`.
@@ -17,8 +17,7 @@ pub fn absolute_integral<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, values: 
 
 /// The total variation `sum |phi_{i+1} - phi_i|` (Eq. 62) of a mesh line, joined ends included: the mean over the lines along an axis, added
 /// up over the axes.
-pub fn total_variation<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, values: &[f64]) -> f64 {
-    let grid = mesh.grid();
+pub fn total_variation<const D: usize>(grid: &Grid<D>, values: &[f64]) -> f64 {
     let along = |axis: usize| {
         let jump = |cell: usize| {
             grid.neighbour(cell, axis, 1).map_or(0.0, |next| (values[next] - values[cell]).abs())

@@ -59,6 +59,8 @@ pub struct Summary {
     pub notes: Vec<String>,
     /// The materials.
     pub materials: Vec<MaterialSummary>,
+    /// The quantities that belong to the mesh.
+    pub fields: Vec<FieldSummary>,
     /// The files in the output folder, this one included.
     pub files: Vec<String>,
 }
@@ -166,6 +168,26 @@ pub struct MaterialSummary {
     pub stray_volume: f64,
     /// Corrections over the run.
     pub corrections: MaterialCorrections,
+}
+
+/// The account of one field; components are added up.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct FieldSummary {
+    /// Its name.
+    pub name: String,
+    /// The drift of `sum phi V`, or of `sum phi rho V` where a density carries the field, less what crossed the boundary, relative to the
+    /// initial sum of its magnitudes; none if that was 0.
+    pub conserved: Option<f64>,
+    /// The least value over the run.
+    pub minimum: f64,
+    /// The largest value over the run.
+    pub maximum: f64,
+    /// The total variation along mesh lines at the start.
+    pub total_variation_initial: f64,
+    /// The total variation at the end.
+    pub total_variation_final: f64,
+    /// `sum |phi - phi_exact| V` over the volume of the mesh; none where the exact values are not known.
+    pub l1_error: Option<f64>,
 }
 
 /// Corrections of one material over a run.

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::{MaterialSummary, Normals, Summary};
+use super::{FieldSummary, MaterialSummary, Normals, Summary};
 
 /// Corrections up to this part of a material are rounding and not shown.
 const ROUNDING: f64 = 1e-12;
@@ -47,8 +47,14 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
         }
         table.push(row);
     }
-    text.push('\n');
-    text.push_str(&columns(&table));
+    if !summary.materials.is_empty() {
+        text.push('\n');
+        text.push_str(&columns(&table));
+    }
+    if !summary.fields.is_empty() {
+        text.push('\n');
+        text.push_str(&columns(&fields(&summary.fields)));
+    }
     let _ = writeln!(text, "\n{} files in {}", summary.files.len(), folder.display());
     text
 }
@@ -81,8 +87,29 @@ fn is_corrected(material: &MaterialSummary) -> bool {
     corrections(material).iter().any(|part| part.abs() > ROUNDING)
 }
 
+/// A number, or a dash where there is none.
+fn number(value: Option<f64>) -> String {
+    value.map_or("-".to_owned(), |value| format!("{value:.3e}"))
+}
+
+fn fields(fields: &[FieldSummary]) -> Vec<Vec<String>> {
+    let header =
+        ["field", "drift", "minimum", "maximum", "variation", "at the end", "L1 error"].map(str::to_owned);
+    let row = |field: &FieldSummary| {
+        vec![
+            field.name.clone(),
+            number(field.conserved),
+            format!("{:.6}", field.minimum),
+            format!("{:.6}", field.maximum),
+            format!("{:.6}", field.total_variation_initial),
+            format!("{:.6}", field.total_variation_final),
+            number(field.l1_error),
+        ]
+    };
+    std::iter::once(header.to_vec()).chain(fields.iter().map(row)).collect()
+}
+
 fn row(material: &MaterialSummary) -> [String; 8] {
-    let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3e}"));
     [
         material.name.clone(),
         format!("{:.6e}", material.volume_final),

@@ -9,6 +9,7 @@ use crate::advection::StepError;
 use crate::export::ExportError;
 use crate::interface::ReconstructionError;
 use crate::scene::SceneError;
+use crate::volume_associated::TransportError;
 
 /// Why a run failed.
 #[derive(Debug, thiserror::Error)]
@@ -42,6 +43,18 @@ pub enum RunError {
         courant: f64,
         /// What went wrong.
         error: StepError,
+    },
+    /// A step of the fields that cannot be done.
+    #[error("step {step} of {steps}, from time {time}, failed for the fields: {error}")]
+    Field {
+        /// The step, counted from 1.
+        step: usize,
+        /// All steps.
+        steps: usize,
+        /// The time at which it starts.
+        time: f64,
+        /// What went wrong.
+        error: TransportError,
     },
     /// An interface that was not found, for output.
     #[error(transparent)]

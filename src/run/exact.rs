@@ -61,13 +61,13 @@ fn is_fed<C: Cell<D>, const D: usize>(scene: &Resolved<D>, setup: &Setup<'_, C, 
     scene.boundary.inflow.is_some() && is_open && setup.plan.courant > 0.0
 }
 
-fn is_inside<C: Cell<D>, const D: usize>(shape: &Shape<D>, mesh: &Mesh<C, D>) -> bool {
+pub(super) fn is_inside<C: Cell<D>, const D: usize>(shape: &Shape<D>, mesh: &Mesh<C, D>) -> bool {
     let [lower, upper] = mesh.bounds();
     shape.bounding_box().is_some_and(|[a, b]| (0..D).all(|k| a[k] >= lower[k] && b[k] <= upper[k]))
 }
 
 /// The part of a shape in the domain.
-fn inside<C: Cell<D>, const D: usize>(shape: &Shape<D>, mesh: &Mesh<C, D>) -> Shape<D> {
+pub(super) fn inside<C: Cell<D>, const D: usize>(shape: &Shape<D>, mesh: &Mesh<C, D>) -> Shape<D> {
     if is_inside(shape, mesh) {
         return shape.clone();
     }
@@ -78,7 +78,7 @@ fn inside<C: Cell<D>, const D: usize>(shape: &Shape<D>, mesh: &Mesh<C, D>) -> Sh
 }
 
 /// The shifted shape; along periodic axes with all its images that reach into the domain.
-fn translated<C: Cell<D>, const D: usize>(
+pub(super) fn translated<C: Cell<D>, const D: usize>(
     shape: &Shape<D>,
     shift: &Vector<D>,
     mesh: &Mesh<C, D>,

@@ -5,14 +5,15 @@ use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use super::RunError;
+use super::fields::{FIELD_TABLE, is_field_picture};
 use super::history::HISTORY;
-use super::output::{FIRST, LAST, STATES, picture_file, state_file};
+use super::output::{FIRST, LAST, POINTS, STATES, picture_file, state_file};
 
 /// The name of the account of a run.
 pub(super) const SUMMARY: &str = "summary.json";
 
 /// What the names of files end in until they are complete.
-const PARTIAL: &str = ".partial";
+pub(super) const PARTIAL: &str = ".partial";
 
 /// Bytes of a time series within which its first file is named.
 const HEAD: u64 = 4096;
@@ -107,15 +108,17 @@ impl Folder {
 /// Whether a run, finished or not, writes files of this name; a time series must have the content of one, too.
 fn is_of_a_run(name: &str, path: &Path) -> bool {
     let name = name.strip_suffix(PARTIAL).unwrap_or(name);
-    let fixed = [SUMMARY.to_owned(), HISTORY.to_owned(), picture_file(FIRST), picture_file(LAST)];
-    fixed.iter().any(|own| own == name)
+    let tables = [SUMMARY, HISTORY, FIELD_TABLE].map(str::to_owned);
+    let fixed = tables.into_iter().chain([picture_file(FIRST), picture_file(LAST)]);
+    fixed.into_iter().any(|own| own == name)
         || is_state(name)
+        || is_field_picture(name)
         || Path::new(name).extension().is_some_and(|extension| extension == "pvd") && names_states(path)
 }
 
 /// Whether it is `fields_0000.vts` or the like, with any number.
 fn is_state(name: &str) -> bool {
-    STATES.iter().any(|(stem, extension)| {
+    STATES.iter().chain([&POINTS]).any(|(stem, extension)| {
         let number = name
             .strip_prefix(stem)
             .and_then(|rest| rest.strip_prefix('_'))

@@ -3,13 +3,15 @@
 //! - this file: runs; [`still`]: the interface as it stands, of a scene of which nothing moves;
 //! - [`prepare`]: mesh, fractions and transport, with the last errors of the scene; `memory`: whether they fit;
 //! - [`plan`]: the time steps;
-//! - `folder`, `history`, `output`, `series`, `planes`: what is written; [`draw`]: pictures, of the meshes that have them;
+//! - `folder`, `history`, `table`, `output`, `series`, `planes`: what is written; [`draw`]: pictures, of the meshes that have them;
+//! - `fields`: the quantities that belong to the mesh;
 //! - `exact`: the exact final state, where it is known; `tally`: running totals; `notes`: what one might not expect;
 //! - [`progress`]: who is told how far it is.
 
 pub mod draw;
 mod error;
 mod exact;
+mod fields;
 mod folder;
 mod history;
 mod memory;
@@ -22,6 +24,7 @@ pub mod progress;
 #[cfg(feature = "vtk")]
 mod series;
 pub mod still;
+mod table;
 mod tally;
 
 use std::io::Write;
@@ -35,6 +38,7 @@ pub use plan::Plan;
 pub use prepare::Setup;
 pub use progress::{Progress, Silent};
 
+use fields::{FIELD_TABLE, FieldTable, Fields};
 use folder::{Folder, SUMMARY};
 use history::{HISTORY, History};
 pub(crate) use memory::megabytes;
@@ -44,13 +48,15 @@ use tally::Tally;
 pub(crate) use tally::{mixed_cells, not_asked_for};
 
 use crate::advection::{Ledger, StepError};
-use crate::export::write_file;
+use crate::export::{ExportError, write_file};
 use crate::facet::Facet;
 use crate::interface::reconstruct;
 use crate::mesh::Mesh;
 use crate::metrics::facet_gap_mean;
+use crate::profile::Profile;
 use crate::report::Summary;
 use crate::scene::{Resolved, Substeps};
+use crate::volume_associated::TransportError;
 
 /// With [`Substeps::Auto`] a step is split further while a cell gives too much, but not into more parts than this.
 const MOST_SUBSTEPS: usize = 1024;
@@ -97,7 +103,8 @@ fn prepared<C: Draw<D>, const D: usize>(
     progress.stage("fluxes");
     let setup = prepare::setup(scene, &mesh)?;
     let folder = Folder::open(&options.folder, options.force)?;
-    let run = Run { scene, setup, folder: folder.path(), threads: options.threads, clock };
+    let fields = Fields::new(scene, &mesh, setup.plan.overdraft);
+    let run = Run { scene, setup, fields, folder: folder.path(), threads: options.threads, clock };
     let done = run.go(fractions, progress);
     if done.is_err() {
         folder.remove_if_empty();
@@ -109,6 +116,7 @@ fn prepared<C: Draw<D>, const D: usize>(
 struct Run<'a, C, const D: usize> {
     scene: &'a Resolved<D>,
     setup: Setup<'a, C, D>,
+    fields: Fields<'a, D>,
     folder: &'a Path,
     threads: usize,
     clock: Instant,
@@ -123,6 +131,11 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
             true => Some(History::create(self.folder, &scene.material_names(), &tally.first_line())?),
             false => None,
         };
+        let mut field_table = match scene.output.history && !self.fields.is_empty() {
+            true => Some(FieldTable::create(self.folder, scene.fields.iter().map(|field| &*field.name))?),
+            false => None,
+        };
+        self.measure(&mut field_table, 0)?;
         let mut output = Output::new(scene, Beside::Velocity(self.setup.velocity), self.folder.to_owned());
         if let Err(error) = self.write(&mut output, &schedule, 0, &fractions) {
             output.discard();
@@ -139,6 +152,7 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
                 Err(error) => {
                     // The steps before this one may tell why.
                     history.map(History::finish).transpose()?;
+                    field_table.map(FieldTable::finish).transpose()?;
                     return Err(error);
                 }
             };
@@ -153,6 +167,7 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
                     courant,
                 ))?;
             }
+            self.measure(&mut field_table, step + 1)?;
             progress.step(step + 1, end, tally.mixed_cells());
             if step + 1 < plan.steps {
                 self.write(&mut output, &schedule, step + 1, &fractions)?;
@@ -164,10 +179,15 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
             history.finish()?;
             output.files.push(HISTORY.to_owned());
         }
+        if let Some(table) = field_table {
+            table.finish()?;
+            output.files.push(FIELD_TABLE.to_owned());
+        }
         output.files.push(SUMMARY.to_owned());
         let mesh = self.setup.mover.mesh();
         let exact = exact::fractions(scene, mesh, &self.setup, tally.crossed());
         let mut summary = tally.summary(scene, &self.setup, mesh, &fractions, exact.as_deref());
+        summary.fields = self.fields.summaries(mesh, &self.exact_fields(plan.steps));
         summary.facet_gap_mean = facet_gap_mean(mesh, &facets);
         summary.notes = notes(scene, mesh, &plan, &schedule);
         summary.skipped.times_after_end = schedule.after_end;
@@ -192,7 +212,6 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
         substeps: &mut usize,
     ) -> Result<Ledger, RunError> {
         let splits = self.scene.advection.substeps == Substeps::Auto;
-        let run_end = self.setup.plan.end;
         let mut ledger = Ledger::new(fractions.len());
         let mut part = 0;
         while part < *substeps {
@@ -200,13 +219,12 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
             let time = |part: usize| {
                 if part == count { end } else { start + (end - start) * (part as f64 / count as f64) }
             };
-            match self.setup.mover.step(fractions, step * count + part, [time(part), time(part + 1)], run_end)
-            {
+            match self.part(fractions, step * count + part, [time(part), time(part + 1)]) {
                 Ok(of_part) => {
                     ledger.add(&of_part);
                     part += 1;
                 }
-                Err(StepError::Overdrawn { .. } | StepError::Folded { .. })
+                Err(TransportError::Step(StepError::Overdrawn { .. } | StepError::Folded { .. }))
                     if splits && count < MOST_SUBSTEPS =>
                 {
                     *substeps *= 2;
@@ -214,11 +232,46 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
                 }
                 Err(error) => {
                     let Plan { steps, courant, .. } = self.setup.plan;
-                    return Err(RunError::Step { step: step + 1, steps, time: start, courant, error });
+                    let (step, time) = (step + 1, start);
+                    return Err(match error {
+                        TransportError::Step(error) => RunError::Step { step, steps, time, courant, error },
+                        error => RunError::Field { step, steps, time, error },
+                    });
                 }
             }
         }
         Ok(ledger)
+    }
+
+    /// A part of a step: fields and materials, or neither.
+    fn part(
+        &mut self,
+        fractions: &mut [Vec<f64>],
+        number: usize,
+        times: [f64; 2],
+    ) -> Result<Ledger, TransportError> {
+        let Self { fields, setup, .. } = self;
+        let end = setup.plan.end;
+        if !fields.is_empty() {
+            fields.step(&setup.mover, &setup.velocity, times, end, number)?;
+        }
+        setup.mover.step(fractions, number, times, end).map_err(|error| {
+            fields.restore();
+            error.into()
+        })
+    }
+
+    /// Where the fields should be after a number of steps.
+    fn exact_fields(&self, step: usize) -> Vec<Option<Vec<Profile<D>>>> {
+        let time = self.setup.plan.time(step);
+        fields::exact(self.scene, self.setup.mover.mesh(), &self.setup.velocity, time)
+    }
+
+    /// Adds the state after a number of steps to the table of the fields.
+    fn measure(&self, table: &mut Option<FieldTable>, step: usize) -> Result<(), ExportError> {
+        let Some(table) = table else { return Ok(()) };
+        let measures = self.fields.measures(self.setup.mover.mesh(), Some(&self.exact_fields(step)));
+        table.add(step, self.setup.plan.time(step), &measures)
     }
 
     /// Writes what is asked for after a number of steps; returns the facets, which are always there at the end.
@@ -240,11 +293,14 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
             Vec::new()
         };
         if state {
-            output.state(mesh, time, fractions, &facets)?;
+            output.state(mesh, time, fractions, &facets, Some(&self.fields))?;
         }
         if picture {
             let when = if last { output::LAST } else { output::FIRST };
-            output.picture(when, mesh, time, fractions, &facets)?;
+            if !fractions.is_empty() {
+                output.picture(when, mesh, time, fractions, &facets)?;
+            }
+            output.field_pictures(when, mesh, time, &self.fields, &self.exact_fields(step))?;
         }
         Ok(facets)
     }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::draw::{Draw, View};
+use super::fields::{FIELD_TABLE, Fields, picture_files};
 use super::folder::SUMMARY;
 use super::history::HISTORY;
 use super::plan::Plan;
@@ -12,11 +13,14 @@ use super::series::Series;
 use crate::export::ExportError;
 use crate::facet::Facet;
 use crate::mesh::Mesh;
-use crate::scene::{OutputSetup, Resolved, Still};
+use crate::profile::Profile;
+use crate::scene::{Location, OutputSetup, Resolved, Still};
 use crate::velocity::Velocity;
 
 /// Stems and extensions of the files of a state.
 pub(super) const STATES: [(&str, &str); 3] = [("interface", "obj"), ("fields", "vts"), ("interface", "vtp")];
+/// Those of fields at integration points.
+pub(super) const POINTS: (&str, &str) = ("points", "vtp");
 
 /// The pictures of a run.
 pub(super) const FIRST: &str = "first";
@@ -57,11 +61,18 @@ impl Schedule {
 pub fn names<const D: usize>(scene: &Resolved<D>, schedule: &Schedule) -> Vec<String> {
     let output = &scene.output;
     let mut names = states(output, schedule.steps().len(), &scene.name);
+    if output.fields && scene.fields.iter().any(|field| field.location == Location::Points) {
+        names.extend((0..schedule.steps().len()).map(|number| state_file(POINTS.0, number, POINTS.1)));
+    }
     if output.picture {
-        names.extend([FIRST, LAST].map(picture_file));
+        if !scene.materials.is_empty() {
+            names.extend([FIRST, LAST].map(picture_file));
+        }
+        names.extend(picture_files(scene));
     }
     if output.history {
         names.push(HISTORY.to_owned());
+        names.extend((!scene.fields.is_empty()).then(|| FIELD_TABLE.to_owned()));
     }
     names.push(SUMMARY.to_owned());
     names
@@ -152,6 +163,7 @@ impl<'a, const D: usize> Output<'a, D> {
         time: f64,
         fractions: &[Vec<f64>],
         facets: &[Facet<D>],
+        fields: Option<&Fields<'_, D>>,
     ) -> Result<(), ExportError> {
         let number = self.written;
         self.written += 1;
@@ -166,9 +178,9 @@ impl<'a, const D: usize> Output<'a, D> {
             self.files.push(name);
         }
         #[cfg(feature = "vtk")]
-        self.series.add(mesh, number, time, fractions, facets, &mut self.files)?;
+        self.files.extend(self.series.add(mesh, number, time, fractions, facets, fields)?);
         #[cfg(not(all(feature = "obj", feature = "vtk")))]
-        let _ = (mesh, number, time, fractions, facets);
+        let _ = (mesh, number, time, fractions, facets, fields);
         Ok(())
     }
 
@@ -178,6 +190,20 @@ impl<'a, const D: usize> Output<'a, D> {
             // Whatever made the run fail is reported.
             let _ = std::fs::remove_file(self.folder.join(name));
         }
+    }
+
+    /// Pictures of the fields with `when` in their names.
+    pub(super) fn field_pictures<C: Draw<D>>(
+        &mut self,
+        when: &str,
+        mesh: &Mesh<C, D>,
+        time: f64,
+        fields: &Fields<'_, D>,
+        exact: &[Option<Vec<Profile<D>>>],
+    ) -> Result<(), ExportError> {
+        let time = rounded(time).to_string();
+        self.files.extend(fields.draw(&self.folder, mesh, when, &time, exact)?);
+        Ok(())
     }
 
     /// A picture with `when` in its name.

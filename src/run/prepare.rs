@@ -296,6 +296,7 @@ pub fn memory<const D: usize>(scene: &Resolved<D>) -> u64 {
             values += 2 * dimension;
         }
     }
+    values += super::fields::values_per_cell(scene);
     let mut band = size_of::<u32>() as u64;
     if scene.advection.scheme == Scheme::Unsplit {
         // Places of mixed cells and of traced nodes; on distorted meshes boxes around blocks of cells.

@@ -4,9 +4,12 @@ use std::path::{Path, PathBuf};
 
 use vofkit_geometry::{Cell, Vector};
 
-use super::output::{Beside, series_file, state_file};
+use super::fields::Fields;
+use super::output::{Beside, POINTS, series_file, state_file};
 use crate::export::ExportError;
-use crate::export::vtk::{CellArray, Collection, fraction_arrays, write_poly_data, write_structured_grid};
+use crate::export::vtk::{
+    CellArray, Collection, fraction_arrays, write_poly_data, write_structured_grid_with_nodes,
+};
 use crate::facet::Facet;
 use crate::mesh::Mesh;
 use crate::parallel;
@@ -29,7 +32,7 @@ impl<'a, const D: usize> Series<'a, D> {
         Self { scene, beside, folder: folder.to_owned(), collection, names: scene.material_names() }
     }
 
-    /// Writes the state number `number`, as far as the scene asks for it, and adds the names of the files.
+    /// Writes the state number `number`, as far as the scene asks for it, and returns the names of the files.
     pub(super) fn add<C: Cell<D>>(
         &mut self,
         mesh: &Mesh<C, D>,
@@ -37,8 +40,9 @@ impl<'a, const D: usize> Series<'a, D> {
         time: f64,
         fractions: &[Vec<f64>],
         facets: &[Facet<D>],
-        files: &mut Vec<String>,
-    ) -> Result<(), ExportError> {
+        fields: Option<&Fields<'_, D>>,
+    ) -> Result<Vec<String>, ExportError> {
+        let mut files = Vec::new();
         let mut parts = Vec::new();
         if self.scene.output.fields {
             let mut arrays = fraction_arrays(&self.names, fractions);
@@ -53,10 +57,21 @@ impl<'a, const D: usize> Series<'a, D> {
                     arrays.extend(each.flat_map(|(planes, material)| planes.arrays(material)));
                 }
             }
+            arrays.extend(fields.iter().flat_map(|fields| fields.arrays(false)));
             let name = state_file("fields", number, "vts");
-            write_structured_grid(self.folder.join(&name), mesh, &arrays)?;
-            files.push(name.clone());
-            parts.push(("fields", self.folder.join(name)));
+            let path = self.folder.join(&name);
+            let at_nodes = fields.map_or_else(Vec::new, |fields| fields.arrays(true));
+            write_structured_grid_with_nodes(&path, mesh, &arrays, &at_nodes)?;
+            files.push(name);
+            parts.push(("fields", path));
+            let name = state_file(POINTS.0, number, POINTS.1);
+            let path = self.folder.join(&name);
+            if let Some(fields) = fields
+                && fields.write_points(&path, mesh)?
+            {
+                files.push(name);
+                parts.push(("points", path));
+            }
         }
         if self.scene.output.vtk {
             let name = state_file("interface", number, "vtp");
@@ -65,14 +80,14 @@ impl<'a, const D: usize> Series<'a, D> {
             parts.push(("interface", self.folder.join(name)));
         }
         if parts.is_empty() {
-            return Ok(());
+            return Ok(files);
         }
         let parts: Vec<_> = parts.iter().map(|(group, path)| (*group, path.as_path())).collect();
         self.collection.add(time, &parts)?;
         if number == 0 {
             files.push(series_file(&self.scene.name));
         }
-        Ok(())
+        Ok(files)
     }
 }
 

@@ -81,7 +81,7 @@ fn write<C: Draw<D>, const D: usize>(
     fractions: &[Vec<f64>],
     facets: &[Facet<D>],
 ) -> Result<(), RunError> {
-    output.state(mesh, 0.0, fractions, facets)?;
+    output.state(mesh, 0.0, fractions, facets, None)?;
     if scene.output.picture {
         output.picture(FIRST, mesh, 0.0, fractions, facets)?;
     }

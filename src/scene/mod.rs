@@ -1,7 +1,8 @@
 //! Scene files: what to run, in TOML, read into typed sections and resolved to the types of the toolkit.
 //!
 //! - `read`: the text of the file; `overrides`: values set on the command line;
-//! - `mesh`, `motion`, `shape`, `velocity`, `boundary`, `advection`, `output`: one section each, as it is written and what it means;
+//! - `mesh`, `motion`, `shape`, `field`, `velocity`, `boundary`, `advection`, `output`: one section each, as it is written and what it
+//!   means;
 //! - `error`: what is wrong, with the place in the file; `wording`: names, and what the reader of TOML says;
 //! - this file: the whole scene.
 //!
@@ -11,6 +12,7 @@ mod advection;
 mod boundary;
 mod context;
 mod error;
+mod field;
 mod mesh;
 mod motion;
 mod output;
@@ -30,6 +32,7 @@ use vofkit_geometry::Vector;
 pub use advection::{AdvectionSetup, Mode, Stepping, Substeps};
 pub use boundary::BoundarySetup;
 pub use error::{SceneError, Source};
+pub use field::{FieldSetup, Kind, Location};
 pub use mesh::MeshSetup;
 pub use output::OutputSetup;
 pub use velocity::ReversalSetup;
@@ -87,6 +90,8 @@ pub struct Still<const D: usize> {
 pub struct Resolved<const D: usize> {
     /// The start.
     pub still: Still<D>,
+    /// The quantities that belong to the mesh.
+    pub fields: Vec<FieldSetup<D>>,
     /// The velocity at full amplitude.
     pub field: Field,
     /// How it changes in time.
@@ -128,7 +133,10 @@ struct SceneFile {
     #[serde(skip_serializing_if = "Option::is_none")]
     name: Option<Spanned<String>>,
     mesh: Spanned<mesh::MeshSection>,
-    material: Spanned<Vec<MaterialSection>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    material: Option<Spanned<Vec<MaterialSection>>>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    field: Vec<field::FieldSection>,
     #[serde(skip_serializing_if = "Option::is_none")]
     velocity: Option<velocity::VelocitySection>,
     #[serde(default)]
@@ -290,6 +298,10 @@ impl SceneFile {
             (Mode::Flow, Some(_), None) | (Mode::Remesh, None, Some(_)) => Ok(()),
         }
     }
+
+    fn materials(&self) -> &[MaterialSection] {
+        self.material.as_ref().map_or(&[], |sections| sections.get_ref())
+    }
 }
 
 impl StillScene {
@@ -304,8 +316,9 @@ impl StillScene {
 
 impl<const D: usize> Resolved<D> {
     fn new(mut still: Still<D>) -> Result<Self, SceneError> {
-        let Still { file, source, .. } = &mut still;
+        let Still { file, source, mesh, .. } = &mut still;
         let context = Context { source };
+        let fields = field::resolve_all(&mut file.field, mesh, context)?;
         file.advection.get_mut().place = file.advection.span();
         let advection = file.advection.get_mut().resolve(context)?;
         file.check_mode(advection.mode, context)?;
@@ -313,7 +326,7 @@ impl<const D: usize> Resolved<D> {
             Some(velocity) => velocity.resolve::<D>(context)?,
             None => (Field::Uniform { velocity: Vector::<3>::zeros() }, ReversalSetup::None),
         };
-        Ok(Self { still, field, reversal, advection })
+        Ok(Self { still, fields, field, reversal, advection })
     }
 
     /// The scene as TOML with every default filled in; `boundary` is what the ends turned out to be, `times` when output
@@ -381,7 +394,7 @@ impl<const D: usize> Still<D> {
             Part::Distortion => {
                 given(file.mesh.get_ref().distortion.span(), file.mesh.get_ref().cells.span())
             }
-            Part::Shape(material) => file.material.get_ref()[material].shape.span(),
+            Part::Shape(material) => file.materials()[material].shape.span(),
             Part::Motion | Part::Field => moves(),
             Part::Boundary(axis) => given(file.boundary.place(axis), moves()),
             Part::Scheme => advection.scheme_place(),
@@ -417,16 +430,16 @@ fn materials<const D: usize>(
     file: &SceneFile,
     context: Context<'_>,
 ) -> Result<Vec<MaterialSetup<D>>, SceneError> {
-    let sections = file.material.get_ref();
-    if sections.is_empty() {
+    if file.materials().is_empty() && file.field.is_empty() {
+        let place = file.material.as_ref().map(Spanned::span).unwrap_or_default();
         return Err(context.error(
-            file.material.span(),
-            "the scene has no material",
-            "add a [[material]] section with a name and a shape",
+            place,
+            "the scene has no material and no field",
+            "add a [[material]] section with a name and a shape, or a [[field]] section",
         ));
     }
     let mut materials: Vec<MaterialSetup<D>> = Vec::new();
-    for MaterialSection { name, shape, allow_empty } in sections {
+    for MaterialSection { name, shape, allow_empty } in file.materials() {
         let text = name.get_ref();
         check_text("the material", name, context)?;
         if text == boundary::VOID {

@@ -33,6 +33,11 @@ const VALUES: &[(&[&str], &str)] = &[
     (&["reversed_vortex", "deformation_3d", "cosine"], "{ period = 3.0 }"),
     (&["shear_3d"], "{ period = 3.0, speed = 1.0, radius = 0.5 }"),
     (&["flip"], "{ step = 100 }"),
+    (&["constant"], "{ value = 1.0 }"),
+    (&["square_wave"], "{ from = 0.1, to = 0.4, value = 1.0 }"),
+    (&["circular_wave"], "{ centre = [..], radius = 0.2, value = 1.0 }"),
+    (&["sine"], "{ waves = [..], amplitude = 1.0 }"),
+    (&["inclusions"], "{ shapes = [{ shape = { .. }, value = 1.0 }] }"),
 ];
 
 /// Names of scenes and materials are short printable texts.

@@ -13,11 +13,13 @@ pub(crate) fn scene(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(format!("{name}.toml"))
 }
 
-/// The names of all scenes of the repository.
+/// The names of all scenes of materials of the repository.
 pub(crate) fn scenes() -> Vec<String> {
     let folder = fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")).unwrap();
+    // Those with fields are in a folder of their own.
+    let files = folder.map(|file| file.unwrap().path()).filter(|path| path.is_file());
     let mut names: Vec<String> =
-        folder.map(|file| file.unwrap().path().file_stem().unwrap().to_str().unwrap().to_owned()).collect();
+        files.map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned()).collect();
     names.sort();
     names
 }
