@@ -217,8 +217,7 @@ impl Draft {
 
     /// Whether the scene says anything of what moves.
     pub fn moves(&self) -> bool {
-        let SceneFile { velocity, mesh, advection, .. } = &self.file;
-        velocity.is_some() || mesh.get_ref().motion.is_some() || !advection.span().is_empty()
+        self.file.moves()
     }
 
     /// The start of the scene; what moves it is not looked at.
@@ -270,16 +269,25 @@ impl Scene {
     }
 }
 
+fn nothing_moves(context: Context<'_>) -> SceneError {
+    context.error(
+        0..0,
+        "missing key `velocity`: nothing moves",
+        "add a [velocity] section with a field, or write the interface as it is by `vofkit reconstruct`",
+    )
+}
+
 impl SceneFile {
+    fn moves(&self) -> bool {
+        let Self { velocity, mesh, advection, .. } = self;
+        velocity.is_some() || mesh.get_ref().motion.is_some() || !advection.span().is_empty()
+    }
+
     /// In each mode something else moves, and only that.
     fn check_mode(&self, mode: Mode, context: Context<'_>) -> Result<(), SceneError> {
         let place = self.advection.get_ref().mode_place();
         match (mode, &self.velocity, &self.mesh.get_ref().motion) {
-            (Mode::Flow, None, _) => Err(context.error(
-                0..0,
-                "missing key `velocity`: nothing moves",
-                "add a [velocity] section with a field, or write the interface as it is by `vofkit reconstruct`",
-            )),
+            (Mode::Flow, None, _) => Err(nothing_moves(context)),
             (Mode::Flow, Some(_), Some(motion)) => Err(context.error(
                 motion.span(),
                 "the mesh moves, but advection.mode is \"flow\", in which it stands still",
@@ -318,6 +326,9 @@ impl<const D: usize> Resolved<D> {
     fn new(mut still: Still<D>) -> Result<Self, SceneError> {
         let Still { file, source, mesh, .. } = &mut still;
         let context = Context { source };
+        if !file.moves() {
+            return Err(nothing_moves(context));
+        }
         let fields = field::resolve_all(&mut file.field, mesh, context)?;
         file.advection.get_mut().place = file.advection.span();
         let advection = file.advection.get_mut().resolve(context)?;
