@@ -140,7 +140,7 @@ fn errors_outside_of_what_was_set_point_at_the_file() {
 #[test]
 fn every_scene_passes_the_check_and_so_does_its_resolved_form() {
     let place = Place::new();
-    assert_eq!(scenes().len(), 20);
+    assert_eq!(scenes().len(), 21);
     for name in scenes() {
         let path = scene(&name);
         let small: &[&str] = if name.ends_with("3d") { &["--set", "mesh.cells=[10, 10, 20]"] } else { &[] };
@@ -277,7 +277,8 @@ fn what_is_wrong_in_added_lines_is_named_too() {
         (END, "[output]\ntimes = [-1.0]", &["-1", "at least 0"]),
         (END, "[output]\ninterface = [\"stl\"]", &["\"stl\" is not known", "obj, vtk"]),
         (NAME, "[[material]]\nname = \"disc\"", &["missing key `shape`"]),
-        (END, "[[field]]\nname = \"t\"", &["unknown key `field`"]),
+        (END, "[[fields]]\nname = \"t\"", &["unknown key `fields`"]),
+        (END, "[[field]]\nname = \"t\"", &["missing key `initial`"]),
     ];
     for (after, lines, answer) in added {
         let text = SCENE.replace(after, &format!("{after}\n{lines}"));
