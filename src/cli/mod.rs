@@ -44,7 +44,7 @@ pub enum Command {
         #[command(flatten)]
         work: Work,
     },
-    /// Reconstruct the interface of a scene as it stands and write what it asks for; it needs no [velocity] and no [advection].
+    /// Reconstruct the interface of a scene as it stands and write what it asks for; it needs no velocity and no advection.
     Reconstruct {
         /// What, to where and how.
         #[command(flatten)]
