@@ -59,7 +59,7 @@ pub const ORIENTATION: f64 = 3.0 * f64::EPSILON;
 pub const SECTION_CHORDS: usize = 32;
 
 /// A component of a normal in the cell's frame, relative to the largest, that is counted as none: what it adds is far
-/// below rounding, and the inverse of a smaller one overflows.
+/// below rounding, and the inverse of a smaller one overflows. A whole normal below it, as a region is cut along, is none.
 pub const DIRECTION_NEGLIGIBLE: f64 = 1e-290;
 
 /// Kothe's formula divides by `lambda`, the product of the heights of two edges of a face over the plane. Below

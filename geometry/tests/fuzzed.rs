@@ -3,6 +3,7 @@
 mod common;
 
 use common::{Random, corner};
+use vofkit_geometry::clip::{Polyhedron, Region, Side};
 use vofkit_geometry::{Cell, HalfSpace, Hexahedron, Quad, Vector};
 
 fn length_of_the_normal_does_not_matter<const D: usize, C: Cell<D>>() {
@@ -70,4 +71,30 @@ fn box_cut_by_a_plane_that_is_parallel_but_for_a_subnormal_component() {
     let normal = Vector::<3>::new(5.43e-312, 6.0, 0.0);
     let below = cell.truncate(&HalfSpace { normal, constant: 2.05e-314 });
     assert!(below.volume.abs() <= 1e-15 && (below.section_area - 1.0 / 6.0).abs() <= 1e-15, "{below:?}");
+}
+
+/// The heights of a region's corners were subnormal and had no digits left, and the two parts did not add up to the whole.
+#[test]
+fn region_cut_along_a_subnormal_normal() {
+    let nodes = [
+        [-0.0796875, -0.0796875, -0.0796875],
+        [0.9203125, -0.0796875, -0.0796875],
+        [0.9203125, 0.90625, -0.0796875],
+        [-0.0796875, 0.9203125, 0.20859375],
+        [0.20859375, 0.20859375, 1.20859375],
+        [1.20859375, 0.20859375, 0.96953125],
+        [1.20859375, 1.20859375, 1.20859375],
+        [0.20859375, 1.20859375, 1.1875],
+    ];
+    let middles = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1]];
+    let whole = Polyhedron::fans(&nodes.map(Vector::from), &middles.map(corner::<3>));
+    for length in [-9.11795066e-316, 1e-300, 1e-200] {
+        let half_space = HalfSpace { normal: Vector::<3>::new(length, 0.0, 0.0), constant: 0.0 };
+        let (mut below, mut above) = (Polyhedron::empty(), Polyhedron::empty());
+        let sum = match whole.split(&half_space, &mut below, &mut above).expect("there is room") {
+            Side::Across => below.volume() + above.volume(),
+            _ => whole.volume(),
+        };
+        assert!((sum - whole.volume()).abs() <= 1e-14, "{length:e}: {sum} {}", whole.volume());
+    }
 }

@@ -25,6 +25,7 @@ pub use polygon::Polygon;
 pub use polyhedron::Polyhedron;
 pub use tile::{HexahedronTile, QuadTile, Tile, Workspace};
 
+use crate::tolerance::DIRECTION_NEGLIGIBLE;
 use crate::{HalfSpace, Vector};
 
 /// Volume (2D: area) of a region, and its first moment, the integral of position.
@@ -122,6 +123,10 @@ impl<const N: usize> Heights<N> {
     fn new<const D: usize>(points: &[Vector<D>], corners: u64, half_space: &HalfSpace<D>) -> Self {
         let mut heights = [0.0; N];
         let mut below = 0;
+        // Heights along a smaller normal would have lost their digits to underflow: it counts as none.
+        let negligible = half_space.normal.amax() < DIRECTION_NEGLIGIBLE;
+        let normal = if negligible { Vector::zeros() } else { half_space.normal };
+        let half_space = HalfSpace { normal, constant: half_space.constant };
         for (i, (height, x)) in heights.iter_mut().zip(points).enumerate() {
             *height = half_space.height(x);
             below |= u64::from(*height <= 0.0) << i;
