@@ -318,6 +318,7 @@ fn seven_discs() -> Vec<Shape<2>> {
 }
 
 #[test]
+// The bounds are loose: cut in order, one disc of the undistorted mesh ends in two pieces; cut independently, all stay whole.
 fn seven_touching_discs_keep_their_identity_over_a_revolution() {
     let centre = Vector::<3>::new(0.5, 0.5, 0.0);
     let rotation = Field::Rotation { centre, angular_velocity: Vector::<3>::new(0.0, 0.0, 1.0) };
