@@ -126,7 +126,7 @@ pub trait Cell<const D: usize>: Copy + Send + Sync + std::fmt::Debug + 'static {
     ) -> Result<PlaneConstant, PositionError>;
 
     /// The part of the cell next to `face` that holds `fraction` of its volume, cut off along a surface of
-    /// constant local coordinate. `fraction` is limited to `[0, 1]`.
+    /// constant local coordinate. Its nodes and faces are numbered as those of the cell. `fraction` is limited to `[0, 1]`.
     fn slab(&self, face: usize, fraction: f64) -> Self;
 
     /// The section as closed loops of points (2D: segments of two points), counter-clockwise seen from

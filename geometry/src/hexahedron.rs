@@ -343,12 +343,12 @@ impl Cell<3> for Hexahedron {
             let section = |t: f64| self.section_determinant(axis, if upper { 0.5 - t } else { t - 0.5 });
             plane_constant::slab_depth([section(0.0), section(0.5), section(1.0)], fraction)
         };
-        let front: [Vector3; 4] = std::array::from_fn(|i| self.nodes[Self::FACE_NODES[face][i]]);
-        let back = std::array::from_fn::<_, 4, _>(|i| {
-            let far = self.nodes[ACROSS[axis][Self::FACE_NODES[face][i]]];
-            front[i] + (far - front[i]) * depth
-        });
-        Self::swept(&back, &front)
+        let mut nodes = self.nodes;
+        for &front in Self::FACE_NODES[face] {
+            let far = ACROSS[axis][front];
+            nodes[far] = self.nodes[front] + (self.nodes[far] - self.nodes[front]) * depth;
+        }
+        Self::new(nodes)
     }
 
     fn section(&self, half_space: &HalfSpace<3>) -> Vec<Vec<Vector3>> {

@@ -319,10 +319,10 @@ impl Cell<2> for Quad {
     }
 
     fn slab(&self, face: usize, fraction: f64) -> Self {
+        let (axis, upper) = (face / 2, face % 2 == 1);
         let depth = if self.affine {
             fraction.clamp(0.0, 1.0)
         } else {
-            let (axis, upper) = (face / 2, face % 2 == 1);
             let section = |t: f64| {
                 let mut local = Vector2::repeat(0.5);
                 local[axis] = if upper { 1.0 - t } else { t };
@@ -330,11 +330,12 @@ impl Cell<2> for Quad {
             };
             plane_constant::slab_depth([0.0, 0.5, 1.0].map(section), fraction)
         };
-        let [a, b] = [0, 1].map(|i| Self::FACE_NODES[face][i]);
-        // The nodes opposite to a and b are their other neighbours around the cell.
-        let (before, after) = (self.nodes[(a + 3) & 3], self.nodes[(b + 1) & 3]);
-        let (a, b) = (self.nodes[a], self.nodes[b]);
-        Self::swept(&[a + (before - a) * depth, b + (after - b) * depth], &[a, b])
+        let mut nodes = self.nodes;
+        for &front in Self::FACE_NODES[face] {
+            let far = ACROSS[axis][front];
+            nodes[far] = self.nodes[front] + (self.nodes[far] - self.nodes[front]) * depth;
+        }
+        Self::new(nodes)
     }
 
     fn section(&self, half_space: &HalfSpace<2>) -> Vec<Vec<Vector2>> {
@@ -345,3 +346,6 @@ impl Cell<2> for Quad {
         defects::of_quad(&self.nodes, self.volume())
     }
 }
+
+/// The node at the other end of the edge along an axis.
+const ACROSS: [[usize; 4]; 2] = [[1, 0, 3, 2], [3, 2, 1, 0]];
