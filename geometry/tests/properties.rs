@@ -121,6 +121,12 @@ fn slabs<const D: usize, C: Cell<D>>(cell: &C, normal: Vector<D>, part: f64, fra
         assert!(error <= 4e-15 * volume + rounded, "face {face}: {error:e} of {volume:e}");
         let error = (slab.volume() + rest.volume() - volume).abs();
         assert!(error <= 4e-15 * volume + rounded, "face {face}: {error:e} of {volume:e}");
+        // A slab of a slab is one of the cell.
+        let halves = slab.slab(face, 0.5).volume() + slab.slab(face ^ 1, 0.5).volume();
+        assert!((halves - slab.volume()).abs() <= 4e-15 * volume + rounded, "face {face}: {halves:e}");
+        for &node in C::FACE_NODES[face] {
+            assert_eq!(slab.nodes()[node], cell.nodes()[node], "face {face}");
+        }
         let [whole, near, far] = [cell, &slab, &rest].map(|part| part.truncate(&half_space));
         let error = (near.volume + far.volume - whole.volume).abs();
         assert!(error <= 2e-14 * volume + rounded, "face {face}: {error:e} of {volume:e}");

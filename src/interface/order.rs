@@ -2,8 +2,9 @@
 //!
 //! What is gone from a cell does not say how the rest of it is divided. So the normal of a material is found from `f + r g`, where `g` is
 //! the fraction that is *set aside* and `r` the part that the material has of what is left of the cell: as if what is set aside
-//! were filled with the mixture of the rest. Set aside is what was cut before. What only the cells around hold is set aside or counts
-//! as not being the material, whichever fits better: where the interface of two materials ends at a third one, the third says nothing
+//! were filled with the mixture of the rest. What was cut before is set aside or counts as not being the material, whichever fits better:
+//! behind a film the material in front of it says nothing of the interface, while bodies that touch each have a shape of their own. So
+//! it is with what only the cells around hold: where the interface of two materials ends at a third one, the third says nothing
 //! of it; where it goes on as that of the first and the third, it does.
 //!
 //! **Fit.** On the logical grid, where all cells are unit cubes, the plane with the gradient of `f + r g` leaves a part `t` of each
@@ -109,10 +110,13 @@ impl<C: Cell<D>, const D: usize> Queue<C, D> {
     /// has a direction.
     pub(super) fn next(&self) -> Option<(usize, Stencil<D>)> {
         let mut best: Option<(usize, Stencil<D>, f64)> = None;
+        let is_cut = self.cut.largest() > 0.0;
+        let alone = is_cut.then(|| Stencil::uniform(0.0));
+        let asides = [Some(self.cut), Some(self.cut.plus(&self.absent, 1.0)), alone];
         for (place, waiting) in self.waiting.iter().enumerate().filter(|(_, w)| w.refused.is_none()) {
-            for aside in [self.cut, self.cut.plus(&self.absent, 1.0)] {
-                let sought = waiting.stencil.plus(&aside, self.share(place));
-                if let Some(misfit) = self.misfit(&waiting.stencil, &aside, &sought)
+            for aside in asides.iter().flatten() {
+                let sought = waiting.stencil.plus(aside, self.share(place));
+                if let Some(misfit) = self.misfit(&waiting.stencil, aside, &sought)
                     && best.as_ref().is_none_or(|(.., least)| misfit < *least - MISFIT_EQUAL)
                 {
                     best = Some((place, sought, misfit));
