@@ -8,7 +8,8 @@
 use vofkit_geometry::clip::{Full, Region, Side, Tile, Workspace, bounds};
 use vofkit_geometry::{Cell, Vector};
 
-use super::nested::{Nested, RegionOf, Share};
+use super::nested::Nested;
+use crate::interface::{RegionOf, Share};
 use crate::mesh::Mesh;
 use crate::mesh::locate::{Candidate, Locator};
 
@@ -203,23 +204,21 @@ impl<C: Cell<D>, const D: usize> Source<'_, C, D> {
         let to_mesh = self.mesh.anchor(cell) + shift;
         let [below, mut rest, mut spare] = parts.each_mut();
         let (mut is_cut, mut density) = (false, 1.0);
-        for (k, share) in shares.iter().enumerate() {
+        for (place, &(component, share)) in shares.iter().flatten().enumerate() {
             let region = if is_cut { &*rest } else { region };
+            let is_wanted = component != left_out;
             match share {
-                Share::Nothing => {}
                 Share::Even(part) => {
-                    if k != left_out {
-                        cut.give(k, density * part, region)?;
+                    if is_wanted {
+                        cut.give(component, density * part, region)?;
                     }
                     density *= 1.0 - part;
                 }
-                Share::Rest => {
-                    return if k == left_out { Ok(()) } else { cut.give(k, density, region) };
-                }
+                Share::Rest => return if is_wanted { cut.give(component, density, region) } else { Ok(()) },
                 Share::Below(half_space) => {
                     let half_space = half_space.translated(&to_mesh);
-                    let later = shares[k + 1..].iter().any(|share| *share != Share::Nothing);
-                    let side = match (k != left_out, later || left_out != void) {
+                    let goes_on = shares[place + 1..].iter().flatten().any(|&(later, _)| later != left_out);
+                    let side = match (is_wanted, goes_on) {
                         (true, true) => region.split(&half_space, below, spare)?,
                         (true, false) => region.cut(&half_space, below)?,
                         (false, _) => match region.cut(&half_space.complement(), spare)? {
@@ -228,8 +227,8 @@ impl<C: Cell<D>, const D: usize> Source<'_, C, D> {
                             Side::Across => Side::Across,
                         },
                     };
-                    if k != left_out && side != Side::Above {
-                        cut.give(k, density, if side == Side::Below { region } else { below })?;
+                    if is_wanted && side != Side::Above {
+                        cut.give(component, density, if side == Side::Below { region } else { below })?;
                     }
                     match side {
                         Side::Below => return Ok(()),
@@ -242,6 +241,6 @@ impl<C: Cell<D>, const D: usize> Source<'_, C, D> {
                 }
             }
         }
-        if left_out == void { Ok(()) } else { cut.give(void, density, if is_cut { rest } else { region }) }
+        Ok(())
     }
 }

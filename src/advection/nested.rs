@@ -1,52 +1,40 @@
-//! The materials of mixed cells, one plane after the other: what a plane leaves goes to the next material, and what is left of
-//! all is void. So the materials of a cell tile it, however their planes lie.
+//! The materials of mixed cells, one after the other: what one leaves goes to the next, and the last takes all that is left. So
+//! the materials and the void of a cell tile it, however their planes lie.
 //!
 //! The planes are placed on the cells' [tiles](vofkit_geometry::clip::tile), so that the pieces that are cut from them later add
 //! up to what the cells hold.
 
-use vofkit_geometry::clip::{Full, Region, Side, Tile};
-use vofkit_geometry::root::brent;
-use vofkit_geometry::tolerance::{POSITION_EVALUATIONS, POSITION_FAILURE, POSITION_RESIDUAL};
-use vofkit_geometry::{Cell, HalfSpace, PositionError, PositionMethod, Vector};
+use vofkit_geometry::clip::Tile;
+use vofkit_geometry::{Cell, HalfSpace};
 
 use super::places::Places;
-use crate::interface::{self, Counts, Placed, Reconstruction, ReconstructionError, is_mixed};
+use crate::interface::{
+    Counts, Dissector, Materials, Placed, Reconstruction, ReconstructionError, Share, Shared, is_mixed,
+    planes_of_all,
+};
 use crate::mesh::Mesh;
-use crate::normal::Material;
 use crate::parallel;
 use crate::tolerance::FRACTION_ROUNDING;
-
-/// What one material takes of what those before it leave of a cell.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Share<const D: usize> {
-    /// Nothing.
-    Nothing,
-    /// What lies in a half-space, in the coordinates of [`Mesh::local_cell`].
-    Below(HalfSpace<D>),
-    /// This part everywhere: the fractions around the cell give no direction.
-    Even(f64),
-    /// All that is left.
-    Rest,
-}
 
 /// The shares of all materials in mixed cells.
 #[derive(Clone, Debug)]
 pub(super) struct Nested<const D: usize> {
     cells: Places,
-    /// By place in `cells`, then by material.
-    shares: Vec<Share<D>>,
-    materials: usize,
+    /// By place in `cells`, with the component: a material by its number, then void. None beyond the last.
+    shares: Vec<Option<(usize, Share<D>)>>,
+    /// The most that a cell has.
+    components: usize,
 }
 
 impl<const D: usize> Nested<D> {
     /// No shares yet in a mesh of this many cells.
     pub(super) fn new(cells: usize) -> Self {
-        Self { cells: Places::new(cells), shares: Vec::new(), materials: 0 }
+        Self { cells: Places::new(cells), shares: Vec::new(), components: 1 }
     }
 
-    /// The shares in a cell; none if it is pure, or was not among those given.
-    pub(super) fn of(&self, cell: usize) -> Option<&[Share<D>]> {
-        self.cells.of(cell).map(|slot| &self.shares[slot * self.materials..][..self.materials])
+    /// The shares in a cell, the last of which takes the rest; none if it is pure, or was not among those given.
+    pub(super) fn of(&self, cell: usize) -> Option<&[Option<(usize, Share<D>)>]> {
+        self.cells.of(cell).map(|slot| &self.shares[slot * self.components..][..self.components])
     }
 
     /// Places the planes in the mixed ones of some cells, and counts them.
@@ -58,122 +46,74 @@ impl<const D: usize> Nested<D> {
         mesh: &Mesh<C, D>,
         fractions: &[Vec<f64>],
         cells: impl Iterator<Item = usize>,
-        method: Reconstruction,
+        mut method: Reconstruction,
     ) -> Result<Counts, ReconstructionError> {
+        if method.materials == Materials::Independent {
+            method.materials = Materials::Nested;
+        }
         self.cells.clear();
         let mixed = |cell: &usize| fractions.iter().any(|f| is_mixed(f[*cell]));
         cells.filter(mixed).for_each(|cell| self.cells.insert(cell));
-        self.materials = fractions.len();
-        self.shares.clear();
+        let cells: Vec<usize> = self.cells.items().iter().map(|&cell| cell as usize).collect();
         let mut counts = Counts::default();
-        let cells = self.cells.items();
-        self.shares.resize(cells.len() * fractions.len(), Share::Nothing);
-        let mut normals: Vec<Option<Vector<D>>> = vec![None; self.shares.len()];
-        for (k, f) in fractions.iter().enumerate() {
-            let (slots, mixed): (Vec<usize>, Vec<usize>) = (0..cells.len())
-                .map(|slot| (slot, cells[slot] as usize))
-                .filter(|&(_, cell)| is_mixed(f[cell]))
-                .unzip();
-            let material = Material { mesh, fractions: f, centroids: None };
-            for (slot, placed) in slots.into_iter().zip(interface::planes(material, &mixed, method)?) {
-                counts.count(&placed);
-                if let Placed::Plane { half_space, .. } = placed {
-                    normals[slot * fractions.len() + k] = Some(half_space.normal);
+        let planes = planes_of_all(mesh, fractions, &cells, method, &mut counts)?;
+        self.components = fractions.len() + 1;
+        self.shares.clear();
+        self.shares.resize(cells.len() * self.components, None);
+        let mut results = vec![Ok(Counts::default()); cells.len()];
+        parallel::for_each_with_scratch(
+            &mut results,
+            &mut self.shares,
+            || None,
+            |dissector, slot, result, shares| {
+                let planes = &planes[slot * fractions.len()..][..fractions.len()];
+                let index = cells[slot];
+                let cell = mesh.local_cell(index);
+                if planes.iter().flatten().any(Placed::is_nested) {
+                    let dissector = dissector.get_or_insert_with(Dissector::default);
+                    let shared = Shared { mesh, fractions, planes, index, cell: &cell };
+                    *result = dissector.dissect(shared, [cell], method, |_, _, _| {});
+                    for (place, (material, share)) in shares.iter_mut().zip(dissector.shares()) {
+                        *place = Some((material.unwrap_or(fractions.len()), share));
+                    }
+                } else {
+                    *result =
+                        alone(mesh, fractions, index, planes, method, shares).map(|()| Counts::default());
                 }
-            }
+            },
+        );
+        for result in results {
+            counts.add(&result?);
         }
-        let mut results = vec![Ok(()); cells.len()];
-        parallel::for_each_with_chunk(&mut results, &mut self.shares, |slot, result, shares| {
-            let normals = &normals[slot * fractions.len()..][..fractions.len()];
-            *result = nest(mesh, fractions, cells[slot] as usize, normals, method.position, shares);
-        });
-        results.into_iter().collect::<Result<(), _>>().map(|()| counts)
+        Ok(counts)
     }
 }
 
-/// Places the planes of one cell one after the other, along these normals.
-fn nest<C: Cell<D>, const D: usize>(
+/// The shares of one material and void, or of two materials that fill a cell.
+fn alone<C: Cell<D>, const D: usize>(
     mesh: &Mesh<C, D>,
     fractions: &[Vec<f64>],
     index: usize,
-    normals: &[Option<Vector<D>>],
-    method: PositionMethod,
-    shares: &mut [Share<D>],
+    planes: &[Option<Placed<D>>],
+    method: Reconstruction,
+    shares: &mut [Option<(usize, Share<D>)>],
 ) -> Result<(), ReconstructionError> {
-    let cell = mesh.local_cell(index);
-    // What the materials so far leave: a region, once one of them has a plane, and how full of the rest that is everywhere.
-    let mut region: Option<RegionOf<C, D>> = None;
-    let (mut left, mut density) = (1.0, 1.0);
-    for ((f, normal), share) in fractions.iter().zip(normals).zip(shares) {
-        let fraction = f[index];
-        if fraction <= 0.0 {
-            continue;
+    let mut here = (0..fractions.len()).filter(|&k| fractions[k][index] > 0.0);
+    let (Some(first), second) = (here.next(), here.next()) else { return Ok(()) };
+    let fraction = fractions[first][index];
+    let share = match &planes[first] {
+        Some(Placed::Plane { half_space, .. }) if fraction < 1.0 - FRACTION_ROUNDING => {
+            let normal = half_space.normal;
+            let cell = mesh.local_cell(index);
+            let found =
+                C::Tile::plane_constant(&cell, &normal, fraction, method.position).map_err(|source| {
+                    ReconstructionError::Cell { cell: mesh.grid().offset(index).to_vec(), fraction, source }
+                })?;
+            Share::Below(HalfSpace { normal, constant: found.constant })
         }
-        if left - fraction <= FRACTION_ROUNDING {
-            *share = Share::Rest;
-            break;
-        }
-        let Some(normal) = *normal else {
-            *share = Share::Even(fraction / left);
-            density *= 1.0 - fraction / left;
-            left -= fraction;
-            continue;
-        };
-        left -= fraction;
-        let found = match &region {
-            None => C::Tile::plane_constant(&cell, &normal, fraction / density, method)
-                .map(|found| found.constant),
-            Some(region) => plane_constant_in(region, &normal, fraction / density * cell.volume()),
-        };
-        let constant = found.map_err(|source| ReconstructionError::Cell {
-            cell: mesh.grid().offset(index).to_vec(),
-            fraction,
-            source,
-        })?;
-        let half_space = HalfSpace { normal, constant };
-        *share = Share::Below(half_space);
-        // With one material nobody asks for the rest.
-        if fractions.len() > 1 {
-            let whole = region.take().unwrap_or_else(|| C::Tile::region(&cell));
-            let mut rest = Region::empty();
-            region = match whole.cut(&half_space.complement(), &mut rest) {
-                Ok(Side::Across) => Some(rest),
-                // All but rounding is left, or nothing.
-                _ => Some(whole),
-            };
-        }
-    }
-    Ok(())
-}
-
-/// The region type of a cell.
-pub(super) type RegionOf<C, const D: usize> = <<C as Cell<D>>::Tile as Tile<D>>::Region;
-
-/// The plane constant that leaves a volume of a region.
-fn plane_constant_in<R: Region<D>, const D: usize>(
-    region: &R,
-    normal: &Vector<D>,
-    volume: f64,
-) -> Result<f64, PositionError> {
-    let whole = region.volume();
-    let heights = region.corners().map(|x| normal.dot(x));
-    let [low, high] = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], h| [a.min(h), b.max(h)]);
-    let excess = |constant: f64| {
-        let mut below = R::empty();
-        let part = match region.cut(&HalfSpace { normal: *normal, constant }, &mut below) {
-            Ok(Side::Below) => whole,
-            Ok(Side::Above) => 0.0,
-            Ok(Side::Across) => below.volume(),
-            Err(Full) => f64::NAN,
-        };
-        part - volume
+        _ => Share::Even(fraction),
     };
-    let tolerance = POSITION_RESIDUAL * volume;
-    let found = brent(excess, [low, high], [-volume, whole - volume], tolerance, POSITION_EVALUATIONS);
-    let residual = found.residual / whole;
-    if residual.abs() <= POSITION_FAILURE {
-        Ok(found.position)
-    } else {
-        Err(PositionError::NoConvergence { residual, evaluations: found.evaluations })
-    }
+    shares[0] = Some((first, share));
+    shares[1] = Some((second.unwrap_or(fractions.len()), Share::Rest));
+    Ok(())
 }

@@ -16,8 +16,8 @@
 use vofkit_geometry::clip::{Region, Tile};
 use vofkit_geometry::{Cell, Vector};
 
-use super::nested::RegionOf;
 use super::places::Places;
+use crate::interface::RegionOf;
 use crate::mesh::{Grid, Mesh};
 use crate::parallel;
 use crate::space::{planar, spatial};

@@ -12,6 +12,7 @@ use vofkit_geometry::{Cell, HalfSpace, PositionError, PositionMethod};
 
 pub(crate) use nested::region;
 pub use nested::{Cut, Dissector, Shared};
+pub(crate) use nested::{RegionOf, Share};
 pub use sharing::Materials;
 pub(crate) use sharing::planes_of_all;
 
@@ -56,11 +57,28 @@ pub enum Placed<const D: usize> {
     },
     /// No plane: the fractions around the cell give no direction.
     NoNormal(NoNormal),
-    /// One of several materials that are cut one after the other: see [`Dissector`].
-    Nested,
+    /// One of several materials that are cut one after the other: see [`Dissector`]; with the direction of its own fractions, where the
+    /// method found one that others build on.
+    Nested(Option<Direction<D>>),
 }
 
 impl<const D: usize> Placed<D> {
+    /// Whether it is one of several that are cut one after the other.
+    pub fn is_nested(&self) -> bool {
+        matches!(self, Self::Nested(_))
+    }
+
+    /// Its direction among its own fractions.
+    fn direction(&self) -> Option<Direction<D>> {
+        match *self {
+            Self::Plane { half_space, determined, trials, .. } => {
+                Some(Direction { normal: half_space.normal, determined, trials })
+            }
+            Self::NoNormal(_) => None,
+            Self::Nested(direction) => direction,
+        }
+    }
+
     /// The same plane for the material on its other side.
     fn complement(self) -> Self {
         match self {
@@ -132,9 +150,9 @@ pub struct Counts {
 impl Counts {
     /// Counts one mixed cell; materials that are cut one after the other count when they are.
     pub fn count<const D: usize>(&mut self, placed: &Placed<D>) {
-        self.mixed += usize::from(*placed != Placed::Nested);
+        self.mixed += usize::from(!placed.is_nested());
         match *placed {
-            Placed::Nested => {}
+            Placed::Nested(_) => {}
             Placed::NoNormal(NoNormal::Flat) => self.flat += 1,
             Placed::NoNormal(NoNormal::Isolated) => self.isolated += 1,
             Placed::NoNormal(NoNormal::Balanced) => self.balanced += 1,
@@ -277,10 +295,10 @@ pub fn reconstruct<C: Cell<D>, const D: usize>(
     let planes = planes_of_all(mesh, fractions, &cells, method, &mut interface.counts)?;
     let made = parallel::map(cells.len(), |i| {
         let (index, planes) = (cells[i], &planes[i * fractions.len()..][..fractions.len()]);
-        if planes.contains(&Some(Placed::Nested)) {
+        if planes.iter().flatten().any(Placed::is_nested) {
             let cell = mesh.local_cell(index);
             let mut dissector = Dissector::default();
-            let shared = Shared { mesh, fractions, index, cell: &cell };
+            let shared = Shared { mesh, fractions, planes, index, cell: &cell };
             let counts = dissector.dissect(shared, [cell], method, |_, _, _| {})?;
             return Ok((counts, nested_facets(mesh, index, dissector.cuts(), dissector.last())));
         }

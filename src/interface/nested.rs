@@ -16,15 +16,16 @@ use vofkit_geometry::root::{self, Root};
 use vofkit_geometry::tolerance::{POSITION_EVALUATIONS, POSITION_FAILURE, POSITION_RESIDUAL};
 use vofkit_geometry::{Cell, HalfSpace, PositionError, Vector};
 
-use super::order::{Queue, Waiting};
+use super::order::{Next, Queue, Waiting};
 use super::sharing::void;
 use super::{Counts, Placed, Reconstruction, ReconstructionError};
 use crate::mesh::Mesh;
 use crate::normal::frame::Frame;
 use crate::normal::{Direction, Material, NoNormal};
+use crate::tolerance::FRACTION_ROUNDING;
 
 /// What planes make of a cell.
-type RegionOf<C, const D: usize> = <<C as Cell<D>>::Tile as Tile<D>>::Region;
+pub(crate) type RegionOf<C, const D: usize> = <<C as Cell<D>>::Tile as Tile<D>>::Region;
 
 /// A cell that several materials share.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +34,9 @@ pub struct Shared<'a, C, const D: usize> {
     pub mesh: &'a Mesh<C, D>,
     /// The fractions, `[material][cell]`.
     pub fractions: &'a [Vec<f64>],
+    /// By material, what was placed: directions that its own fractions gave are used where these alone say how the material lies. May
+    /// be empty.
+    pub planes: &'a [Option<Placed<D>>],
     /// The cell's index.
     pub index: usize,
     /// [`Mesh::local_cell`].
@@ -46,6 +50,17 @@ pub struct Cut<const D: usize> {
     pub material: Option<usize>,
     /// Its half-space, in the coordinates of [`Mesh::local_cell`].
     pub half_space: HalfSpace<D>,
+}
+
+/// What a material, or void, takes of what those before it leave of a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Share<const D: usize> {
+    /// What lies in a half-space, in the coordinates of [`Mesh::local_cell`].
+    Below(HalfSpace<D>),
+    /// This part everywhere: the fractions around the cell give no direction.
+    Even(f64),
+    /// All that is left.
+    Rest,
 }
 
 /// Dissects cells; keeps its memory from one to the next.
@@ -79,7 +94,7 @@ impl<C: Cell<D>, const D: usize> Dissector<C, D> {
         method: Reconstruction,
         mut part: impl FnMut(usize, usize, f64),
     ) -> Result<Counts, ReconstructionError> {
-        let Shared { mesh, fractions, index, cell } = shared;
+        let Shared { mesh, fractions, planes, index, cell } = shared;
         let frame = Frame::new(cell);
         self.rest.clear();
         let regions = pieces.into_iter().map(|piece| region(&piece, |x| frame.point(x)));
@@ -95,12 +110,16 @@ impl<C: Cell<D>, const D: usize> Dissector<C, D> {
             }
         };
         while !self.queue.is_settled()
-            && let Some((next, stencil)) = self.queue.next()
+            && let Some(Next { place: next, sought, is_alone }) = self.queue.next()
         {
             let Waiting { material, fraction, ref mut refused, .. } = self.queue.waiting[next];
             // The stencil has the fractions; only the place is taken from the material.
             let around = Material { mesh, fractions: &fractions[material.unwrap_or(0)], centroids: None };
-            let found = method.normal.normal_among(around, index, cell, stencil, method.position);
+            let own = material.filter(|_| is_alone).and_then(|k| planes.get(k)?.as_ref()?.direction());
+            let found = match own {
+                Some(direction) => Ok(direction),
+                None => method.normal.normal_among(around, index, cell, sought, method.position),
+            };
             let Direction { normal, determined, trials } = match found {
                 Ok(direction) => direction,
                 Err(reason) => {
@@ -159,6 +178,19 @@ impl<C: Cell<D>, const D: usize> Dissector<C, D> {
     /// The cuts of the last cell, in order.
     pub fn cuts(&self) -> &[Cut<D>] {
         &self.cuts
+    }
+
+    /// What the materials and void of the last cell take, one after the other, of what is left; the last one takes all of it. Void is
+    /// none.
+    pub(crate) fn shares(&self) -> impl Iterator<Item = (Option<usize>, Share<D>)> {
+        let cuts = self.cuts.iter().map(|cut| (cut.material, Share::Below(cut.half_space)));
+        let mut left = 1.0;
+        let waiting = self.queue.waiting.iter().enumerate().map(move |(place, waiting)| {
+            let share = Share::Even(self.queue.share(place) / left);
+            left -= self.queue.share(place);
+            (waiting.material, if left <= FRACTION_ROUNDING { Share::Rest } else { share })
+        });
+        cuts.chain(waiting).chain([(None, Share::Rest)])
     }
 
     /// The material that got all that the cuts left of the last cell, if one did.

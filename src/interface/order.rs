@@ -29,6 +29,17 @@ pub(super) struct Waiting<const D: usize> {
     pub(super) refused: Option<NoNormal>,
 }
 
+/// The material that is cut next.
+#[derive(Clone, Debug)]
+pub(super) struct Next<const D: usize> {
+    /// Its place among those that wait.
+    pub(super) place: usize,
+    /// The fractions that its normal is to be found from.
+    pub(super) sought: Stencil<D>,
+    /// Whether these are its own alone.
+    pub(super) is_alone: bool,
+}
+
 /// The materials of a cell that have not been cut yet.
 #[derive(Clone, Debug)]
 pub(super) struct Queue<C, const D: usize> {
@@ -106,27 +117,29 @@ impl<C: Cell<D>, const D: usize> Queue<C, D> {
         self.waiting.len() == 1 && self.complete
     }
 
-    /// The place of the material that is cut next, with the fractions that its normal is to be found from; none where no material
-    /// has a direction.
-    pub(super) fn next(&self) -> Option<(usize, Stencil<D>)> {
-        let mut best: Option<(usize, Stencil<D>, f64)> = None;
+    /// What is cut next; none where no material has a direction.
+    pub(super) fn next(&self) -> Option<Next<D>> {
+        let mut best: Option<(Next<D>, f64)> = None;
         let is_cut = self.cut.largest() > 0.0;
         let alone = is_cut.then(|| Stencil::uniform(0.0));
         let asides = [Some(self.cut), Some(self.cut.plus(&self.absent, 1.0)), alone];
+        // The fractions of a material alone are the first or the last of these.
+        let is_alone = [!is_cut, false, true];
         for (place, waiting) in self.waiting.iter().enumerate().filter(|(_, w)| w.refused.is_none()) {
-            for aside in asides.iter().flatten() {
+            for (aside, is_alone) in asides.iter().zip(is_alone) {
+                let Some(aside) = aside else { continue };
                 let sought = waiting.stencil.plus(aside, self.share(place));
                 if let Some(misfit) = self.misfit(&waiting.stencil, aside, &sought)
-                    && best.as_ref().is_none_or(|(.., least)| misfit < *least - MISFIT_EQUAL)
+                    && best.as_ref().is_none_or(|(_, least)| misfit < *least - MISFIT_EQUAL)
                 {
-                    best = Some((place, sought, misfit));
+                    best = Some((Next { place, sought, is_alone }, misfit));
                 }
             }
             if self.order == Materials::Listed && best.is_some() {
                 break;
             }
         }
-        best.map(|(place, sought, _)| (place, sought))
+        best.map(|(next, _)| next)
     }
 
     fn misfit(&self, own: &Stencil<D>, aside: &Stencil<D>, sought: &Stencil<D>) -> Option<f64> {

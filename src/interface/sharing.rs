@@ -2,7 +2,7 @@
 
 use vofkit_geometry::Cell;
 
-use super::order::Queue;
+use super::order::{Next, Queue};
 use super::{Counts, Placed, Reconstruction, ReconstructionError, is_mixed, place_along, planes};
 use crate::mesh::Mesh;
 use crate::normal::{Material, NoNormal, Stencil};
@@ -18,7 +18,8 @@ pub enum Materials {
     Nested,
     /// The same, in the order in which the materials are listed.
     Listed,
-    /// Each by a plane of its own, as if the others were void (the paper's way). Parts may overlap.
+    /// Each by a plane of its own, as if the others were void (the paper's way). Parts may overlap. Where parts have to tile their cell, in
+    /// unsplit advection and in remapping, this is [`Materials::Nested`].
     Independent,
 }
 
@@ -81,7 +82,9 @@ pub(crate) fn planes_of_all<C: Cell<D>, const D: usize>(
             }
             Sharing::Nested => {
                 let here = fractions.iter().map(|f| f[cell] > 0.0);
-                planes.iter_mut().zip(here).for_each(|(plane, here)| *plane = here.then_some(Placed::Nested));
+                for (plane, here) in planes.iter_mut().zip(here) {
+                    *plane = here.then(|| Placed::Nested(plane.as_ref().and_then(Placed::direction)));
+                }
             }
         }
     }
@@ -106,14 +109,14 @@ fn sharing<C: Cell<D>, const D: usize>(
     }
     let mut queue = Queue::<C, D>::new();
     queue.fill(mesh.grid(), fractions, 0.0, index, method.materials);
-    let Some((place, stencil)) = queue.next() else {
+    let Some(Next { place, sought, .. }) = queue.next() else {
         let placed = Some(Placed::NoNormal(NoNormal::Balanced));
         return Ok(Sharing::Two { materials: [first, second], placed });
     };
     let materials = if place == 0 { [first, second] } else { [second, first] };
     let material = Material { mesh, fractions: &fractions[materials[0]], centroids: None };
     let cell = mesh.local_cell(index);
-    let found = method.normal.normal_among(material, index, &cell, stencil, method.position);
+    let found = method.normal.normal_among(material, index, &cell, sought, method.position);
     let placed = Some(place_along(material, index, &cell, found, method.position)?);
     Ok(Sharing::Two { materials, placed })
 }

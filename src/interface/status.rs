@@ -48,7 +48,7 @@ impl<const D: usize> From<&Placed<D>> for CellStatus {
             Placed::NoNormal(NoNormal::Isolated) => Self::Isolated,
             Placed::NoNormal(NoNormal::Balanced) => Self::Balanced,
             Placed::NoNormal(NoNormal::NoCentroid) => Self::NoCentroid,
-            Placed::Nested => Self::Nested,
+            Placed::Nested(_) => Self::Nested,
         }
     }
 }
