@@ -28,6 +28,10 @@ pub const DESCENT_GAIN: f64 = 1e-3;
 /// which keeps it to 1e-12 of a cell.
 pub const MISFIT_ROUNDING: f64 = 1e-28;
 
+/// How many times smaller the squared misfit of a material has to be with something set aside than without. Interfaces that end at
+/// another one are fitted exactly that way, curved ones hardly better; touching bodies are carried best from about 16 on.
+pub(crate) const ASIDE_MISFIT: f64 = 16.0;
+
 /// Misfits of the planes of several materials in a cell that differ by less than this (in fractions, squared) are the same, so that
 /// not rounding says which one is cut first.
 pub const MISFIT_EQUAL: f64 = 1e-12;

@@ -9,14 +9,15 @@
 //!
 //! **Fit.** On the logical grid, where all cells are unit cubes, the plane with the gradient of `f + r g` leaves a part `t` of each
 //! cell around, and should leave `f`, but for what is set aside: the misfit is the sum of `((1 - g) t - f)^2`. It vanishes
-//! for a half-space, and for one that is covered in part by materials cut before.
+//! for a half-space, and for one that is covered in part by materials cut before. What is set aside need not be fitted, so it
+//! has to leave a much smaller misfit to be preferred.
 
 use vofkit_geometry::{Cell, HalfSpace, PositionMethod, Vector};
 
 use super::sharing::Materials;
 use crate::mesh::Grid;
 use crate::normal::{NoNormal, Stencil};
-use crate::tolerance::MISFIT_EQUAL;
+use crate::tolerance::{ASIDE_MISFIT, MISFIT_EQUAL};
 
 /// A material of a cell that has not been cut yet.
 #[derive(Clone, Debug)]
@@ -129,7 +130,9 @@ impl<C: Cell<D>, const D: usize> Queue<C, D> {
             for (aside, is_alone) in asides.iter().zip(is_alone) {
                 let Some(aside) = aside else { continue };
                 let sought = waiting.stencil.plus(aside, self.share(place));
-                if let Some(misfit) = self.misfit(&waiting.stencil, aside, &sought)
+                if let Some(misfit) = self
+                    .misfit(&waiting.stencil, aside, &sought)
+                    .map(|misfit| if is_alone { misfit } else { ASIDE_MISFIT * misfit })
                     && best.as_ref().is_none_or(|(_, least)| misfit < *least - MISFIT_EQUAL)
                 {
                     best = Some((Next { place, sought, is_alone }, misfit));
