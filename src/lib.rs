@@ -12,7 +12,8 @@
 //! 7. [`metrics`]: numbers that judge a result; [`export`]: files for viewers.
 //!
 //! With the feature `cli`, `scene` reads scene files, `run` runs them, `report` sums up, `kernel` takes tables of cells and planes
-//! through the geometry kernel, and `cli` is the command line `vofkit`.
+//! through the geometry kernel, `study` runs combinations of settings and compares them (with the feature `plot`, too), and `cli` is the
+//! command line `vofkit`.
 //! Numerics never look at these. Two and three dimensions are one code, generic over the dimension `D` and the type of
 //! [cell](geometry::Cell).
 //!
@@ -53,6 +54,8 @@ pub mod run;
 pub mod scene;
 pub mod shape;
 mod space;
+#[cfg(all(feature = "cli", feature = "plot"))]
+pub mod study;
 pub mod tolerance;
 pub mod velocity;
 pub mod volume_associated;

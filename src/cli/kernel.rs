@@ -6,8 +6,8 @@ use clap::{Args, Subcommand, ValueEnum};
 use vofkit_geometry::{PositionMethod, TruncationMethod};
 
 use super::terminal::{self, Failure};
-use super::threads::Pool;
 use crate::kernel::{self, Job, KernelError, Task};
+use crate::run::threads::Pool;
 
 /// What to ask the kernel.
 #[derive(Debug, Subcommand)]

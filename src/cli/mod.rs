@@ -1,18 +1,19 @@
-//! The command line: `vofkit run`, `vofkit reconstruct`, `vofkit check`, `vofkit new`, `vofkit kernel`.
+//! The command line: `vofkit run`, `vofkit reconstruct`, `vofkit check`, `vofkit new`, `vofkit kernel`, `vofkit study`.
 //!
 //! - this file: the arguments and what they start;
 //! - [`check`]: what a scene will do, without doing it; [`template`]: scenes to start from;
-//! - [`kernel`]: tables of cells and planes through the kernel;
-//! - [`progress`]: how far a run is; [`terminal`]: text and errors on the terminal; [`threads`]: how many work.
+//! - [`kernel`]: tables of cells and planes through the kernel; `study`: combinations of settings;
+//! - [`progress`]: how far a run is; [`terminal`]: text and errors on the terminal.
 //!
 //! Exit codes: 0 done, 1 failed, 2 wrong arguments.
 
 pub mod check;
 pub mod kernel;
 pub mod progress;
+#[cfg(feature = "plot")]
+pub mod study;
 pub mod template;
 pub mod terminal;
-pub mod threads;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -21,6 +22,7 @@ use clap::{Args, Parser, Subcommand};
 use vofkit_geometry::{Hexahedron, Quad};
 
 use crate::report::{still, table};
+use crate::run::threads::Pool;
 use crate::run::{self, Progress, RunError, RunOptions, Silent};
 use crate::scene::{Draft, Scene, StillScene};
 use template::Kind;
@@ -63,6 +65,13 @@ pub enum Command {
         /// Which one.
         kind: Kind,
     },
+    /// Run a scene for every combination of lists of settings and report error against time.
+    #[cfg(feature = "plot")]
+    Study {
+        /// Which, to where and how.
+        #[command(flatten)]
+        work: study::Work,
+    },
     /// Ask the geometry kernel about a table of cells and planes.
     Kernel {
         /// What.
@@ -102,7 +111,7 @@ impl Work {
         text: impl FnOnce(&T, &Path) -> String,
     ) -> Result<(), Failure> {
         let folder = self.out.unwrap_or_else(|| PathBuf::from("out").join(name));
-        let pool = threads::Pool::new(self.threads)?;
+        let pool = Pool::new(self.threads)?;
         let options = RunOptions { folder, force: self.force, threads: pool.threads() };
         let mut progress: Box<dyn Progress> = if self.quiet { Box::new(Silent) } else { progress::chosen() };
         let summary = pool.install(|| work(&options, &mut *progress))?;
@@ -162,6 +171,8 @@ pub fn execute(command: Command) -> Result<(), Failure> {
             }
         },
         Command::New { kind } => terminal::print(&template::text(kind)),
+        #[cfg(feature = "plot")]
+        Command::Study { work } => study::run(work),
         Command::Kernel { question } => kernel::ask(question),
     }
 }

@@ -6,6 +6,7 @@ use std::io::{self, IsTerminal, Write};
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 
 use crate::run::RunError;
+use crate::run::threads::ThreadsError;
 use crate::scene::SceneError;
 
 /// Why a command failed.
@@ -38,6 +39,12 @@ impl From<RunError> for Failure {
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
         Self::Run(error.into())
+    }
+}
+
+impl From<ThreadsError> for Failure {
+    fn from(error: ThreadsError) -> Self {
+        Self::other(error.to_string(), error.help)
     }
 }
 

@@ -111,7 +111,7 @@ fn check_length(path: &Path, name: &str, found: usize, cells: usize) -> Result<(
 
 /// The text with a blank for every character that XML forbids or that would break a line.
 #[cfg(any(feature = "plot", feature = "vtk"))]
-fn printable(text: &str) -> String {
+pub(crate) fn printable(text: &str) -> String {
     let forbidden = |c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}');
     text.chars().map(|c| if forbidden(c) { ' ' } else { c }).collect()
 }

@@ -1,6 +1,8 @@
 //! What a run tells about itself: the content of `summary.json`, and [`table`] for people; [`still`] is the same for a
-//! reconstruction of which nothing moves.
+//! reconstruction of which nothing moves. Longer reports are a [`document`], with the [`machine`] that made them at its foot.
 
+pub mod document;
+pub mod machine;
 pub mod still;
 pub mod table;
 

@@ -6,7 +6,7 @@
 //! - `folder`, `history`, `table`, `output`, `series`, `planes`: what is written; [`draw`]: pictures, of the meshes that have them;
 //! - `fields`: the quantities that belong to the mesh;
 //! - `exact`: the exact final state, where it is known; `tally`: running totals; `notes`: what one might not expect;
-//! - [`progress`]: who is told how far it is.
+//! - [`progress`]: who is told how far it is; [`threads`]: how many work.
 
 pub mod draw;
 mod error;
@@ -26,6 +26,7 @@ mod series;
 pub mod still;
 mod table;
 mod tally;
+pub mod threads;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -41,7 +42,7 @@ pub use progress::{Progress, Silent};
 use fields::{FIELD_TABLE, FieldTable, Fields};
 use folder::{Folder, SUMMARY};
 use history::{HISTORY, History};
-pub(crate) use memory::megabytes;
+pub(crate) use memory::{forget_peak, megabytes, peak};
 pub(crate) use notes::{notes, odd_cells};
 use output::{Beside, Output};
 use tally::Tally;

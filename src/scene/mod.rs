@@ -37,6 +37,8 @@ pub use mesh::MeshSetup;
 pub use output::OutputSetup;
 pub use velocity::ReversalSetup;
 
+pub(crate) use read::read_text;
+
 use context::{Context, default};
 use wording::{check_name, check_text, unreadable};
 
@@ -193,7 +195,7 @@ impl Draft {
     pub fn load(path: impl AsRef<Path>, settings: &[String]) -> Result<Self, SceneError> {
         let path = path.as_ref();
         let fallback = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("scene");
-        Self::parse(&path.display().to_string(), fallback, &read::read(path)?, settings)
+        Self::parse(&path.display().to_string(), fallback, &read_text(path, "scene")?, settings)
     }
 
     /// Reads the text of a scene; `file` is the name that errors show, `fallback` that of a scene without a name.

@@ -1,6 +1,13 @@
 //! The threads that a run shares its work among.
 
-use super::terminal::Failure;
+/// Threads that there are not.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+pub struct ThreadsError {
+    message: String,
+    /// What would be right.
+    pub help: &'static str,
+}
 
 /// A number of threads.
 #[derive(Debug)]
@@ -15,14 +22,15 @@ impl Pool {
     /// # Errors
     /// Threads that the system does not give; more than one in a build without the feature `parallel`.
     #[cfg(feature = "parallel")]
-    pub fn new(threads: Option<u16>) -> Result<Self, Failure> {
+    pub fn new(threads: Option<u16>) -> Result<Self, ThreadsError> {
         // Zero leaves the number to rayon.
         let threads = threads.map_or(0, usize::from);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        let refused = |error| {
-            Failure::other(format!("cannot start {threads} threads: {error}"), "ask for fewer with --threads")
-        };
-        Ok(Self { pool: pool.map_err(refused)? })
+        let pool = pool.map_err(|error| ThreadsError {
+            message: format!("cannot start {threads} threads: {error}"),
+            help: "ask for fewer with --threads",
+        })?;
+        Ok(Self { pool })
     }
 
     /// One thread: this build has no others.
@@ -30,13 +38,13 @@ impl Pool {
     /// # Errors
     /// More than one thread asked for.
     #[cfg(not(feature = "parallel"))]
-    pub fn new(threads: Option<u16>) -> Result<Self, Failure> {
+    pub fn new(threads: Option<u16>) -> Result<Self, ThreadsError> {
         match threads {
             None | Some(1) => Ok(Self {}),
-            Some(threads) => Err(Failure::other(
-                format!("cannot use {threads} threads: this build of vofkit works with one"),
-                "leave out --threads, or build with `--features parallel`",
-            )),
+            Some(threads) => Err(ThreadsError {
+                message: format!("cannot use {threads} threads: this build of vofkit works with one"),
+                help: "leave out --threads, or build with `--features parallel`",
+            }),
         }
     }
 

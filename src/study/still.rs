@@ -1,0 +1,93 @@
+//! The interface of a scene as it stands: how far its planes are from the shapes, and how long they take.
+
+use std::time::Instant;
+
+use vofkit_geometry::{Cell, Hexahedron, Quad};
+
+use super::file::Study;
+use super::measure::{Measures, Named, Spread};
+use super::plan::{self, Combination};
+use super::subject::{along_axis, mean, repeated};
+use crate::facet::Facet;
+use crate::interface::{Counts, is_mixed, planes, reconstruct};
+use crate::mesh::Mesh;
+use crate::metrics::{hausdorff_mean, plane_errors};
+use crate::normal::Material;
+use crate::run::{RunError, prepare};
+use crate::scene::{Still, StillScene};
+use crate::shape::Shape;
+
+/// What is known of one sample.
+struct Sample {
+    /// Seconds for all planes.
+    seconds: f64,
+    /// Volume of the symmetric difference.
+    difference: f64,
+    /// The mean Hausdorff distance, of spheres.
+    hausdorff: Option<f64>,
+    counts: Counts,
+    cells_along_axis: f64,
+    memory: u64,
+}
+
+/// Measures the reconstruction of a combination, errors being means over its samples.
+pub(super) fn measured(study: &Study, combination: &Combination) -> Result<Measures, String> {
+    let one = |sample: &Vec<String>| -> Result<Sample, RunError> {
+        match plan::still(study, combination, sample)? {
+            StillScene::Plane(scene) => reconstructed::<Quad, 2>(&scene),
+            StillScene::Space(scene) => reconstructed::<Hexahedron, 3>(&scene),
+        }
+    };
+    let pass =
+        || combination.samples.iter().map(one).collect::<Result<Vec<_>, _>>().map_err(|e| e.to_string());
+    let passes = repeated(study.quick, pass)?;
+    let Some(samples) = passes.first() else { return Err("nothing was reconstructed".to_owned()) };
+    let mut counts = Counts::default();
+    samples.iter().for_each(|sample| counts.add(&sample.counts));
+    let seconds = |samples: &Vec<Sample>| mean(samples.iter().map(|sample| Some(sample.seconds)));
+    let seconds = Spread::of(passes.iter().filter_map(seconds).collect());
+    let mixed = counts.mixed as f64 / samples.len().max(1) as f64;
+    let errors = [
+        ("symmetric difference", mean(samples.iter().map(|sample| Some(sample.difference)))),
+        ("Hausdorff", mean(samples.iter().map(|sample| sample.hausdorff))),
+    ];
+    let positions = counts.closed_form + counts.iterative;
+    Ok(Measures {
+        errors: errors.into_iter().filter_map(|(name, value)| Some(Named::new(name, value?))).collect(),
+        seconds,
+        cells_along_axis: samples.first().map(|sample| sample.cells_along_axis),
+        mixed_cells: Some(mixed),
+        seconds_per_mixed_cell: (mixed > 0.0).then(|| seconds.median / mixed),
+        evaluations_per_position: counts.evaluations_per_position(),
+        closed_form: (positions > 0).then(|| counts.closed_form as f64 / positions as f64),
+        memory_estimate: samples.iter().map(|sample| sample.memory).max(),
+        undetermined: Some(counts.undetermined + counts.no_normal()),
+        ..Measures::default()
+    })
+}
+
+fn reconstructed<C: Cell<D>, const D: usize>(scene: &Still<D>) -> Result<Sample, RunError> {
+    let mesh: Mesh<C, D> = prepare::still_mesh(scene)?;
+    let fractions = prepare::fractions(scene, &mesh)?;
+    let (mut seconds, mut counts) = (0.0, Counts::default());
+    for fractions in &fractions {
+        let mixed: Vec<usize> = (0..fractions.len()).filter(|&cell| is_mixed(fractions[cell])).collect();
+        let clock = Instant::now();
+        let placed =
+            planes(Material { mesh: &mesh, fractions, centroids: None }, &mixed, scene.reconstruction)?;
+        seconds += clock.elapsed().as_secs_f64();
+        placed.iter().for_each(|placed| counts.count(placed));
+    }
+    let facets = reconstruct(&mesh, &fractions, scene.reconstruction)?.facets;
+    let (mut difference, mut hausdorff) = (0.0, None);
+    for (k, material) in scene.materials.iter().enumerate() {
+        let own: Vec<Facet<D>> = facets.iter().filter(|facet| facet.material == k).cloned().collect();
+        difference += plane_errors(&mesh, &own, &material.shape).iter().sum::<f64>();
+        if let (Shape::Sphere { centre, radius }, 0) = (&material.shape, k) {
+            hausdorff = hausdorff_mean(&mesh, &own, centre, *radius);
+        }
+    }
+    let memory = prepare::still_memory(scene);
+    let cells_along_axis = along_axis(&scene.mesh.cells);
+    Ok(Sample { seconds, difference, hausdorff, counts, cells_along_axis, memory })
+}
