@@ -11,6 +11,8 @@
 //! 6. [`volume_associated`] and [`nodal`]: the same for quantities of the mesh and its nodes;
 //! 7. [`metrics`]: numbers that judge a result; [`export`]: files for viewers.
 //!
+//! [`body_file`] reads bodies for shapes.
+//!
 //! With the feature `cli`, `scene` reads scene files, `run` runs them, `report` sums up, `kernel` takes tables of cells and planes
 //! through the geometry kernel, `study` runs combinations of settings and compares them (with the feature `plot`, too), and `cli` is the
 //! command line `vofkit`.
@@ -31,6 +33,7 @@
 pub use vofkit_geometry as geometry;
 
 pub mod advection;
+pub mod body_file;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod export;
@@ -72,7 +75,7 @@ pub mod prelude {
     pub use crate::mesh::{Distortion, Grid, Mesh, MeshMotion, MeshPath, SweptVolumes};
     pub use crate::metrics::{fragments, material_volume, shape_error};
     pub use crate::normal::NormalMethod;
-    pub use crate::shape::{Rotation, Shape};
+    pub use crate::shape::{Body, Rotation, Shape};
     pub use crate::velocity::{Field, Reversal, Velocity};
 }
 

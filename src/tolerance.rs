@@ -124,3 +124,7 @@ pub const FRACTION_EXCESS: f64 = 1e-12;
 /// Cells around one that is not settled, at most, that a step looks at. Nodes that come from further away have left every
 /// Courant number behind; on a mesh with collapsed cells the bound for how far they come would be infinite.
 pub const LARGEST_RADIUS: f64 = 64.0;
+
+/// A shell whose volume, relative to the cube over the longest side of its body, is below this is flat: rounding would decide which way
+/// round it is.
+pub const SHELL_FLAT: f64 = 1e-14;

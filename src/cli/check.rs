@@ -69,7 +69,7 @@ pub fn still_report<C: Cell<D>, const D: usize>(scene: &Still<D>) -> Result<Stri
     rows.extend(contents(scene, &mesh, &fractions));
     rows.push(("files", output::still_names(scene).join(" ")));
     rows.push(("not written", not_written(scene)));
-    rows.extend(crate::run::odd_cells(&mesh).map(|note| ("note", note)));
+    rows.extend(crate::run::of_start(scene, &mesh).into_iter().map(|note| ("note", note)));
     Ok(with_comments(&scene.to_toml(), &rows))
 }
 

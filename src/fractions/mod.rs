@@ -1,19 +1,22 @@
 //! Volume fractions of shapes on a mesh.
 //!
-//! Totals are right to 1e-9 of a shape's volume and better on any mesh, however coarse or distorted; shapes with flat sides come out to
-//! rounding. The cost follows the surfaces: one bound settles a pure cell.
+//! Totals are right to 1e-9 of a shape's volume and better on any mesh, however coarse or distorted; shapes with flat sides, and bodies
+//! given by their surfaces on undistorted meshes, come out to rounding. The cost follows the surfaces: one bound settles a pure cell.
 //!
 //! Read in this order: `region` takes shapes apart into surfaces and logic; `cut` splits a cut cell into bricks; `integral`
-//! integrates over one; `form` knows where lines cross surfaces and where that changes; `brick`, `polynomial`, `quadrature`
+//! integrates over one; `solid` and `apart` deal with cells that bodies cut, by way of `facet`; `form` knows where lines cross surfaces and where that changes; `brick`, `polynomial`, `quadrature`
 //! and `tolerance` are the tools.
 
+mod apart;
 mod brick;
 mod cut;
+mod facet;
 mod form;
 mod integral;
 mod polynomial;
 mod quadrature;
 mod region;
+mod solid;
 mod tolerance;
 
 use vofkit_geometry::{Cell, HalfSpace, Vector};
@@ -25,6 +28,7 @@ use crate::shape::Shape;
 use brick::{Brick, CORNERS, bits};
 use cut::Cut;
 use region::Region;
+use solid::Solid;
 use tolerance::FULL;
 
 /// The volume fractions of materials that fill the `shapes`: one vector by cell index for each. Where shapes overlap the earlier one
@@ -41,7 +45,7 @@ pub fn volume_fractions<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, shapes: &
             if left[cell] <= 0.0 {
                 return 0.0;
             }
-            let fraction = mesh_brick(mesh, cell).fraction(&region);
+            let fraction = mesh_brick(mesh, cell).fraction::<C>(&region);
             if left[cell] - fraction <= FULL { left[cell] } else { fraction }
         });
         left.iter_mut().zip(&found).for_each(|(left, fraction)| *left -= fraction);
@@ -53,14 +57,14 @@ pub fn volume_fractions<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, shapes: &
 /// The volume of the part of a shape inside the mesh.
 pub fn shape_volume<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, shape: &Shape<D>) -> f64 {
     let region = Region::new(shape, &[]);
-    let volumes = parallel::map(mesh.grid().len(), |cell| mesh_brick(mesh, cell).volume(&region));
+    let volumes = parallel::map(mesh.grid().len(), |cell| mesh_brick(mesh, cell).volume::<C>(&region));
     parallel::sum(volumes.len(), |cell| volumes[cell])
 }
 
 /// The volume fraction of a shape in one cell.
 pub fn cell_fraction<C: Cell<D>, const D: usize>(cell: &C, shape: &Shape<D>) -> f64 {
     let anchor = cell.nodes()[0];
-    Anchored { brick: Brick::of_cell(cell, &anchor), anchor }.fraction(&Region::new(shape, &[]))
+    Anchored { brick: Brick::of_cell(cell, &anchor), anchor }.fraction::<C>(&Region::new(shape, &[]))
 }
 
 /// The volume in which a half-space and a shape differ inside one cell, by lines at fixed places: to about a thousandth of it.
@@ -78,7 +82,11 @@ pub fn symmetric_difference<C: Cell<D>, const D: usize>(
     let region = Region::new(&Shape::Union(vec![one, other]), &[]);
     let anchor = cell.nodes()[0];
     let brick = Brick::of_cell(cell, &anchor);
-    Cut::sampled(&region, anchor).volume(&brick, &vec![None; region.surfaces.len()], 0)
+    let sides = vec![None; region.surfaces.len()];
+    match region.has_bodies() {
+        true => Solid::<C, D>::new(&region, anchor).volume(&brick, &sides, 0),
+        false => Cut::sampled(&region, anchor).volume(&brick, &sides, 0),
+    }
 }
 
 /// A cell as a brick relative to its first node, so that no digits are lost to the place of the mesh.
@@ -106,22 +114,25 @@ impl<const D: usize> Anchored<D> {
         region.decide(&|i| region.surfaces[i].side(&self.anchor, &centre, radius))
     }
 
-    fn volume(&self, region: &Region<D>) -> f64 {
+    fn volume<C: Cell<D>>(&self, region: &Region<D>) -> f64 {
         match self.pure(region) {
             Some(false) => 0.0,
             Some(true) => self.brick.volume(),
             None => {
                 let sides = vec![None; region.surfaces.len()];
-                Cut::new(region, self.anchor).volume(&self.brick, &sides, 0)
+                match region.has_bodies() {
+                    true => Solid::<C, D>::new(region, self.anchor).volume(&self.brick, &sides, 0),
+                    false => Cut::new(region, self.anchor).volume(&self.brick, &sides, 0),
+                }
             }
         }
     }
 
-    fn fraction(&self, region: &Region<D>) -> f64 {
+    fn fraction<C: Cell<D>>(&self, region: &Region<D>) -> f64 {
         match self.pure(region) {
             Some(inside) => f64::from(u8::from(inside)),
             None => {
-                let fraction = self.volume(region) / self.brick.volume();
+                let fraction = self.volume::<C>(region) / self.brick.volume();
                 if fraction >= 1.0 - FULL { 1.0 } else { fraction.max(0.0) }
             }
         }

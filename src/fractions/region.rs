@@ -1,13 +1,15 @@
 //! Shapes taken apart: surfaces with an inside, and the logic that joins them.
 
+use std::sync::Arc;
+
 use nalgebra::{SMatrix, SVector};
 use vofkit_geometry::{HalfSpace, Vector};
 
-use crate::shape::Shape;
+use crate::shape::{Body, Shape};
 
-/// A surface whose inside is `y_0 <= 0` (plane) or `|y| <= 1` (curved) in its own frame `y = map (x - point)`.
+/// A surface whose inside is `y_0 <= 0` (plane) or `|y| <= 1` (curved) in its own frame `y = map (x - point)`, or a body.
 ///
-/// Balls, ellipsoids and infinite cylinders are curved surfaces, with a map of rank `D` or `D - 1`.
+/// Balls, ellipsoids and infinite cylinders are curved surfaces, with a map of rank `D` or `D - 1`. The frame of a body is of no use.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Surface<const D: usize> {
     pub(super) curved: bool,
@@ -15,9 +17,26 @@ pub(super) struct Surface<const D: usize> {
     point: Vector<D>,
     /// The largest stretch of the map.
     stretch: f64,
+    body: Option<Arc<Body<D>>>,
 }
 
 impl<const D: usize> Surface<D> {
+    /// The body, if the surface is that of one.
+    pub(super) fn body(&self) -> Option<&Body<D>> {
+        self.body.as_deref()
+    }
+
+    /// The half-space whose plane touches the surface next to `x = anchor + local`, with `anchor` as the origin: exact for a plane, and
+    /// for a curved surface up to the square of the distance in its frame.
+    pub(super) fn tangent(&self, anchor: &Vector<D>, local: &Vector<D>) -> HalfSpace<D> {
+        let y = self.frame(anchor, local);
+        let (height, slope) = match self.curved {
+            true => (0.5 * (y.norm_squared() - 1.0), self.map.transpose() * y),
+            false => (y[0], self.map.row(0).transpose().into_owned()),
+        };
+        HalfSpace { normal: slope, constant: slope.dot(local) - height }
+    }
+
     /// The surface's own coordinates of `x = anchor + local`.
     pub(super) fn frame(&self, anchor: &Vector<D>, local: &Vector<D>) -> Vector<D> {
         self.map * (local + (anchor - self.point))
@@ -25,6 +44,11 @@ impl<const D: usize> Surface<D> {
 
     /// Whether the ball around `x` is all inside or all outside; none where the surface may cross it.
     pub(super) fn side(&self, anchor: &Vector<D>, local: &Vector<D>, radius: f64) -> Option<bool> {
+        if let Some(body) = &self.body {
+            let x = anchor + local;
+            let around = Vector::repeat(radius);
+            return body.is_clear([x - around, x + around]).then(|| body.contains(&x));
+        }
         let y = self.frame(anchor, local);
         let height = if self.curved { y.norm() - 1.0 } else { y[0] };
         let reach = self.stretch * radius;
@@ -38,11 +62,17 @@ impl<const D: usize> Surface<D> {
         let normal = scaled / length;
         let mut map = SMatrix::<f64, D, D>::zeros();
         map.set_row(0, &normal.transpose());
-        Self { curved: false, map, point: normal * (half_space.constant / scale / length), stretch: 1.0 }
+        Self {
+            curved: false,
+            map,
+            point: normal * (half_space.constant / scale / length),
+            stretch: 1.0,
+            body: None,
+        }
     }
 
     fn curved(map: SMatrix<f64, D, D>, point: Vector<D>, stretch: f64) -> Self {
-        Self { curved: true, map, point, stretch }
+        Self { curved: true, map, point, stretch, body: None }
     }
 }
 
@@ -76,6 +106,11 @@ impl<const D: usize> Region<D> {
     /// Whether all is inside or all outside, given the sides that are known of the surfaces.
     pub(super) fn decide(&self, side: &impl Fn(usize) -> Option<bool>) -> Option<bool> {
         self.logic.decide(side)
+    }
+
+    /// Whether it has bodies given by their surfaces.
+    pub(super) fn has_bodies(&self) -> bool {
+        self.surfaces.iter().any(|surface| surface.body.is_some())
     }
 
     /// The surfaces whose side is not known and matters.
@@ -169,6 +204,10 @@ fn build<const D: usize>(surfaces: &mut Vec<Surface<D>>, shape: &Shape<D>) -> Lo
             let slot = slab(centre, &across, 0.5 * slot_width).into_iter().chain([top]);
             let slot = Logic::All(slot.map(|surface| inside(surfaces, surface)).collect());
             Logic::All(vec![disc, Logic::Not(Box::new(slot))])
+        }
+        Shape::Body(body) => {
+            let nowhere = Surface::curved(SMatrix::zeros(), Vector::zeros(), 0.0);
+            inside(surfaces, Surface { body: Some(body.clone()), ..nowhere })
         }
         Shape::Union(shapes) => Logic::Any(shapes.iter().map(|shape| build(surfaces, shape)).collect()),
         Shape::Intersection(shapes) => {

@@ -46,3 +46,33 @@ pub(super) const BREAKS_APART: f64 = 1e-14;
 
 /// A fraction this near to one is one: the rounding of the sum over the bricks of a cell.
 pub(super) const FULL: f64 = 16.0 * f64::EPSILON;
+
+/// A corner of a body's surface this near to the plane of a triangle, relative to the cell, lies in it: triangles share corners, and
+/// rounding must not cut slivers off them.
+pub(super) const COPLANAR: f64 = 1e-12;
+
+/// Triangles of a body in one brick above which the brick is bisected: cutting by all of them takes the square of their number.
+pub(super) const TRIANGLES: usize = 24;
+
+/// Bisections of a cell because of many triangles. After them, where dozens meet at a corner, the time is spent.
+pub(super) const CROWD_BISECTIONS: usize = 15;
+
+/// Triangles of a body in one brick above which the time is not spent, but the brick is bisected on.
+pub(super) const MOST_TRIANGLES: usize = 256;
+
+/// Bisections of a cell that a body cuts after which its middle decides: what is left is 2^-30 of the cell, where hundreds of
+/// triangles meet at a corner.
+pub(super) const BODY_BISECTIONS: usize = 30;
+
+/// Bisections for the sake of curved surfaces and of ruled faces in a cell that a body cuts too. Their errors fall by four with each
+/// bisection along every axis, and are those of cells of a thousandth the volume then.
+pub(super) const MEETING_BISECTIONS: usize = 9;
+
+/// Distance from the middle of a brick to its corners, in the frame in which a curved surface is the unit sphere, below which its
+/// tangent plane stands for the surface where a body cuts the brick too: the volume between them is its square, one part in 10^4
+/// of a brick, and changes its sign from brick to brick.
+pub(super) const MEETING_REACH: f64 = 1e-2;
+
+/// How far a brick may be from a parallelepiped, relative to its edges, where a body cuts it: its faces are taken for four
+/// triangles each, which enclose what the ruled face does, so that the error of a part of it is some hundredths of this.
+pub(super) const WARP: f64 = 5e-2;

@@ -43,7 +43,7 @@ use fields::{FIELD_TABLE, FieldTable, Fields};
 use folder::{Folder, SUMMARY};
 use history::{HISTORY, History};
 pub(crate) use memory::{forget_peak, megabytes, peak};
-pub(crate) use notes::{notes, odd_cells};
+pub(crate) use notes::{notes, of_start};
 use output::{Beside, Output};
 use tally::Tally;
 pub(crate) use tally::{mixed_cells, not_asked_for};

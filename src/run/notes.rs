@@ -5,13 +5,24 @@ use vofkit_geometry::Cell;
 use super::output::Schedule;
 use super::plan::Plan;
 use crate::mesh::Mesh;
-use crate::scene::{Resolved, ReversalSetup};
+use crate::scene::{Resolved, ReversalSetup, Still};
+use crate::shape::Body;
 
 /// What is odd about cells, if anything is.
-pub(crate) fn odd_cells<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>) -> Option<String> {
+fn odd_cells<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>) -> Option<String> {
     let first = mesh.notices().first()?;
     let (count, cell) = (mesh.notices().len(), &first.cell);
     Some(format!("{count} odd but legal cells, such as {cell:?}: {}", first.defect))
+}
+
+/// What is odd about the mesh of a scene and about the surfaces of its bodies.
+pub(crate) fn of_start<C: Cell<D>, const D: usize>(scene: &Still<D>, mesh: &Mesh<C, D>) -> Vec<String> {
+    let mut notes: Vec<String> = odd_cells(mesh).into_iter().collect();
+    for material in &scene.materials {
+        let notices = material.shape.bodies().into_iter().flat_map(Body::notices);
+        notes.extend(notices.map(|notice| format!("\"{}\": {notice}", material.name)));
+    }
+    notes
 }
 
 /// What a run of the scene does not do although the scene says so, and what is odd about its mesh.
@@ -21,7 +32,7 @@ pub(crate) fn notes<C: Cell<D>, const D: usize>(
     plan: &Plan,
     schedule: &Schedule,
 ) -> Vec<String> {
-    let mut notes: Vec<String> = odd_cells(mesh).into_iter().collect();
+    let mut notes = of_start(scene, mesh);
     for time in &schedule.after_end {
         notes.push(format!("the output time {time} is after the end and will not be reached"));
     }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::draw::Draw;
 use super::folder::{Folder, SUMMARY};
-use super::notes::odd_cells;
+use super::notes::of_start;
 use super::output::{Beside, FIRST, Output};
 use super::planes::CellPlanes;
 use super::prepare;
@@ -167,7 +167,7 @@ impl<const D: usize> Found<D> {
             microseconds_per_plane: (all.mixed > 0).then(|| self.time.as_secs_f64() * 1e6 / all.mixed as f64),
             facet_gap_mean: facet_gap_mean(mesh, &self.facets),
             skipped_outputs: not_asked_for(&scene.output),
-            notes: odd_cells(mesh).into_iter().collect(),
+            notes: of_start(scene, mesh),
             materials: (0..fractions.len()).map(material).collect(),
             ..StillSummary::default()
         }

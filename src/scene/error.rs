@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
@@ -41,6 +42,11 @@ impl Source {
     /// The name of the file.
     pub(super) fn file(&self) -> &str {
         self.original.as_ref().unwrap_or(&self.code).name()
+    }
+
+    /// The path of a file that the text names relative to its own folder.
+    pub(super) fn beside(&self, file: &str) -> PathBuf {
+        Path::new(self.file()).parent().unwrap_or(Path::new("")).join(file)
     }
 
     /// The whole text.

@@ -1,7 +1,6 @@
 //! `mesh.motion`: how the mesh moves while the material rests.
 
 use std::fs;
-use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
@@ -106,7 +105,7 @@ fn nodes<const D: usize>(file: &Spanned<String>, context: Context<'_>) -> Result
             ),
         )
     };
-    let path = Path::new(context.source.file()).parent().unwrap_or(Path::new("")).join(name);
+    let path = context.source.beside(name);
     let text = fs::read_to_string(path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
     let mut lines = text.lines().enumerate();
     let names: Vec<&str> =

@@ -1,11 +1,14 @@
 //! Shapes as scene files write them.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 use vofkit_geometry::{HalfSpace, Vector};
 
 use super::context::{Context, Numbers};
 use super::error::SceneError;
+use crate::body_file;
 use crate::shape::{Rotation, Shape};
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -52,6 +55,17 @@ pub(super) enum ShapeChoice {
         bridge: f64,
         #[serde(skip_serializing_if = "Option::is_none")]
         angle: Option<Spanned<f64>>,
+    },
+    Body {
+        file: Spanned<String>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        scale: Option<Spanned<f64>>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        angle: Option<Spanned<f64>>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        axis: Option<Numbers>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        translation: Option<Numbers>,
     },
     Union(Vec<Spanned<ShapeChoice>>),
     Intersection(Vec<Spanned<ShapeChoice>>),
@@ -100,6 +114,18 @@ pub(super) fn resolve<const D: usize>(
             bridge: *bridge,
             rotation: rotation(angle.as_ref(), None, context)?,
         },
+        ShapeChoice::Body { file, scale, angle, axis, translation } => {
+            let scale =
+                scale.as_ref().map_or(Ok(1.0), |scale| context.positive("the scale of the body", scale))?;
+            let rotation = rotation(angle.as_ref(), axis.as_ref(), context)?;
+            let shift = translation
+                .as_ref()
+                .map_or(Ok(Vector::zeros()), |shift| context.vector("the translation of the body", shift))?;
+            let path = context.source.beside(file.get_ref());
+            let body = body_file::read::<D>(&path)
+                .map_err(|error| context.error(file.span(), error.to_string(), error.help()))?;
+            Shape::Body(Arc::new(body.placed(scale, &rotation, &shift)))
+        }
         ShapeChoice::Union(shapes) => Shape::Union(all(shapes)?),
         ShapeChoice::Intersection(shapes) => Shape::Intersection(all(shapes)?),
         ShapeChoice::Difference(shapes) => match shapes.as_slice() {

@@ -103,6 +103,8 @@ impl<const D: usize> Shape<D> {
                     },
                 )
             }
+            // Checked when it was made.
+            Self::Body(_) => Ok(()),
             Self::Union(shapes) => Named("union").all(shapes),
             Self::Intersection(shapes) => Named("intersection").all(shapes),
             Self::Difference(shape, others) => {

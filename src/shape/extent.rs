@@ -13,7 +13,7 @@ fn unit_ball(dimension: usize) -> f64 {
 
 impl<const D: usize> Shape<D> {
     /// The volume (2D: the area) of shapes for which it is a simple closed form: spheres, ellipsoids, boxes, finite
-    /// cylinders, and the slotted disc in 2D whose slot ends inside the disc,
+    /// cylinders, bodies in closed surfaces, and the slotted disc in 2D whose slot ends inside the disc,
     ///
     /// ```text
     /// pi r^2 - (r - bridge) w - (w/2) sqrt(r^2 - w^2/4) - r^2 asin(w / (2 r))
@@ -32,6 +32,7 @@ impl<const D: usize> Shape<D> {
                 (top.abs() <= shoulder)
                     .then(|| PI * r * r - top * w - 0.5 * w * shoulder - r * r * (0.5 * w / r).asin())
             }
+            Self::Body(body) => Some(body.volume()),
             _ => None,
         }
     }
@@ -57,6 +58,7 @@ impl<const D: usize> Shape<D> {
                 let half = axis.map(|a| 0.5 * length * a.abs() + radius * (1.0 - a * a).max(0.0).sqrt());
                 around(point, half)
             }
+            Self::Body(body) => Some(body.bounding_box()),
             Self::Union(shapes) => {
                 let boxes = shapes.iter().map(Self::bounding_box);
                 boxes.reduce(|a, b| a.zip(b).map(|([a, b], [c, d])| [a.inf(&c), b.sup(&d)]))?

@@ -28,6 +28,7 @@ impl<const D: usize> Shape<D> {
                 let in_slot = y[0].abs() < 0.5 * slot_width && y[1] < radius - bridge;
                 y.norm() <= *radius && !in_slot
             }
+            Self::Body(body) => body.contains(x),
             Self::Union(shapes) => shapes.iter().any(|shape| shape.contains(x)),
             Self::Intersection(shapes) => shapes.iter().all(|shape| shape.contains(x)),
             Self::Difference(shape, others) => {

@@ -1,15 +1,19 @@
 //! Shapes that initialise a material: primitives and their unions, intersections and differences.
 //!
 //! This file holds the shapes and how they move; [`rotation`] the rotations, [`check`] what is wrong with a shape,
-//! [`extent`] volumes and bounding boxes in closed form, `membership` which points a shape holds. [`crate::fractions`] turns shapes into volume fractions.
+//! [`body`] bodies given by their surfaces, [`extent`] volumes and bounding boxes in closed form, `membership` which points a shape holds. [`crate::fractions`] turns shapes into volume fractions.
 
+pub mod body;
 pub mod check;
 pub mod extent;
 mod membership;
 pub mod rotation;
 
+use std::sync::Arc;
+
 use vofkit_geometry::{HalfSpace, Vector};
 
+pub use body::{Body, BodyDefect, BodyError, BodyNotice};
 pub use check::ShapeError;
 pub use rotation::Rotation;
 
@@ -69,6 +73,8 @@ pub enum Shape<const D: usize> {
         /// Turns the disc with its slot, about its centre.
         rotation: Rotation<D>,
     },
+    /// What a closed surface encloses.
+    Body(Arc<Body<D>>),
     /// All points of any of the shapes.
     Union(Vec<Shape<D>>),
     /// The points that all the shapes have in common.
@@ -78,6 +84,20 @@ pub enum Shape<const D: usize> {
 }
 
 impl<const D: usize> Shape<D> {
+    /// The bodies given by their surfaces among its parts.
+    pub fn bodies(&self) -> Vec<&Body<D>> {
+        match self {
+            Self::Body(body) => vec![body],
+            Self::Union(shapes) | Self::Intersection(shapes) => {
+                shapes.iter().flat_map(Self::bodies).collect()
+            }
+            Self::Difference(shape, others) => {
+                std::iter::once(&**shape).chain(others).flat_map(Self::bodies).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
     /// The shape after `x -> about + R (x - about) + shift`.
     #[must_use]
     pub fn moved(&self, rotation: &Rotation<D>, about: &Vector<D>, shift: &Vector<D>) -> Self {
@@ -110,6 +130,7 @@ impl<const D: usize> Shape<D> {
                 bridge: *bridge,
                 rotation: own.then(rotation),
             },
+            Self::Body(body) => Self::Body(Arc::new(body.placed(1.0, rotation, &place(&Vector::zeros())))),
             Self::Union(shapes) => Self::Union(all(shapes)),
             Self::Intersection(shapes) => Self::Intersection(all(shapes)),
             Self::Difference(shape, others) => {

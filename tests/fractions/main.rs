@@ -1,5 +1,9 @@
 //! Shapes on meshes: totals against closed forms, identities of sets, invariance, agreement with the kernel.
 
+mod bodies;
+#[cfg(all(feature = "cli", feature = "surface", feature = "obj", feature = "vtk"))]
+mod files;
+
 use std::f64::consts::PI;
 use std::time::Instant;
 

@@ -1,0 +1,240 @@
+//! Whether a surface bounds a body, and which way round its shells are.
+
+use std::fmt;
+
+use vofkit_geometry::Vector;
+
+use super::Body;
+use crate::tolerance::SHELL_FLAT;
+
+/// Defects that an error names; the others are in its list.
+const NAMED: usize = 5;
+
+/// What is wrong with a surface. Triangles (2D: segments) are counted from 1, in the order of the file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum BodyDefect {
+    /// A coordinate that is not a finite number.
+    NotFinite {
+        /// The triangle.
+        triangle: usize,
+    },
+    /// An edge that no other triangle shares: there is a hole.
+    Open {
+        /// The triangle.
+        triangle: usize,
+    },
+    /// An edge along which two triangles run the same way, so that one of them is turned over.
+    TurnedOver {
+        /// The triangles.
+        triangles: Vec<usize>,
+    },
+    /// An edge at which an odd number of triangles meet.
+    Branching {
+        /// The triangles.
+        triangles: Vec<usize>,
+    },
+}
+
+impl fmt::Display for BodyDefect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let list =
+            |triangles: &[usize]| triangles.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+        match self {
+            Self::NotFinite { triangle } => {
+                write!(f, "triangle {triangle} has a coordinate that is not finite")
+            }
+            Self::Open { triangle } => write!(f, "triangle {triangle} has an edge that no other one shares"),
+            Self::TurnedOver { triangles } => {
+                write!(f, "triangles {} run the same way along their common edge", list(triangles))
+            }
+            Self::Branching { triangles } => {
+                write!(f, "triangles {} meet at one edge, an odd number of them", list(triangles))
+            }
+        }
+    }
+}
+
+/// Why there is no body in a surface.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BodyError {
+    /// There are no triangles.
+    #[error("the surface has no triangles")]
+    Empty,
+    /// The surface encloses no volume.
+    #[error("the surface of {triangles} triangles encloses nothing: it is flat")]
+    Flat {
+        /// How many triangles there are.
+        triangles: usize,
+    },
+    /// Everything that is wrong with it.
+    #[error("the surface does not bound a body: {}", .0.first_lines())]
+    Defects(Defects),
+}
+
+/// A list of defects.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Defects(pub Vec<BodyDefect>);
+
+impl Defects {
+    fn first_lines(&self) -> String {
+        let named: Vec<String> = self.0.iter().take(NAMED).map(BodyDefect::to_string).collect();
+        let more = match self.0.len().saturating_sub(NAMED) {
+            0 => String::new(),
+            more => format!("; and {more} more defects"),
+        };
+        format!("{}{more}", named.join("; "))
+    }
+}
+
+/// What was odd about a surface and put right.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum BodyNotice {
+    /// A shell whose normals pointed inward was turned.
+    Turned {
+        /// Its first triangle, counted from 1.
+        triangle: usize,
+        /// How many triangles it has.
+        triangles: usize,
+    },
+    /// A shell inside another one whose normals pointed outward was turned, so that it bounds a cavity.
+    Cavity {
+        /// Its first triangle, counted from 1.
+        triangle: usize,
+        /// How many triangles it has.
+        triangles: usize,
+    },
+}
+
+impl fmt::Display for BodyNotice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Turned { triangle, triangles } => write!(
+                f,
+                "the shell of {triangles} triangles from number {triangle} on pointed inward and was turned outward"
+            ),
+            Self::Cavity { triangle, triangles } => write!(
+                f,
+                "the shell of {triangles} triangles from number {triangle} on lies inside another one and was taken for a cavity"
+            ),
+        }
+    }
+}
+
+fn refused(defects: Vec<BodyDefect>) -> Result<(), BodyError> {
+    if defects.is_empty() { Ok(()) } else { Err(BodyError::Defects(Defects(defects))) }
+}
+
+/// Whether there is a surface and all its coordinates are finite.
+pub(super) fn finite<const D: usize>(surface: &[[Vector<D>; D]]) -> Result<(), BodyError> {
+    if surface.is_empty() {
+        return Err(BodyError::Empty);
+    }
+    let odd = |(i, piece): (usize, &[Vector<D>; D])| {
+        let finite = piece.iter().flatten().all(|x| x.is_finite());
+        (!finite).then_some(BodyDefect::NotFinite { triangle: i + 1 })
+    };
+    refused(surface.iter().enumerate().filter_map(odd).collect())
+}
+
+/// An edge of a piece (2D: an end), which way the piece runs along it, and the piece.
+type Edge = ([u32; 2], bool, usize);
+
+/// The number of the shell that each piece belongs to: the least number of its pieces.
+///
+/// # Errors
+/// Edges that are not shared by as many pieces on one side as on the other.
+pub(super) fn shells<const D: usize>(pieces: &[[u32; D]]) -> Result<Vec<usize>, BodyError> {
+    let mut edges: Vec<Edge> = Vec::with_capacity(D * pieces.len());
+    for (number, piece) in pieces.iter().enumerate() {
+        for i in 0..D {
+            let (a, b) = (piece[i], piece[(i + 1) % D]);
+            if D == 2 {
+                edges.push(([a, a], i == 0, number));
+            } else if a != b {
+                edges.push(([a.min(b), a.max(b)], a < b, number));
+            }
+        }
+    }
+    edges.sort_unstable();
+    let mut shells: Vec<usize> = (0..pieces.len()).collect();
+    let mut defects = Vec::new();
+    for shared in edges.chunk_by(|a, b| a.0 == b.0) {
+        let forward = shared.iter().filter(|edge| edge.1).count();
+        let triangles = || shared.iter().map(|edge| edge.2 + 1).collect();
+        match shared.len() {
+            1 => defects.push(BodyDefect::Open { triangle: shared[0].2 + 1 }),
+            all if all == 2 * forward => {
+                shared.windows(2).for_each(|two| join(&mut shells, two[0].2, two[1].2))
+            }
+            all if all % 2 == 0 => defects.push(BodyDefect::TurnedOver { triangles: triangles() }),
+            _ => defects.push(BodyDefect::Branching { triangles: triangles() }),
+        }
+    }
+    refused(defects)?;
+    Ok((0..pieces.len()).map(|piece| root(&mut shells, piece)).collect())
+}
+
+/// The least piece of a shell, as far as it is joined; the way there is shortened.
+fn root(shells: &mut [usize], mut piece: usize) -> usize {
+    while shells[piece] != piece {
+        shells[piece] = shells[shells[piece]];
+        piece = shells[piece];
+    }
+    piece
+}
+
+fn join(shells: &mut [usize], a: usize, b: usize) {
+    let (a, b) = (root(shells, a), root(shells, b));
+    shells[a.max(b)] = a.min(b);
+}
+
+/// Turns shells so that those inside an even number of others point outward and the rest inward.
+///
+/// # Errors
+/// A body of no volume.
+pub(super) fn orient<const D: usize>(body: &mut Body<D>, shells: &[usize]) -> Result<(), BodyError> {
+    let mut members: Vec<(usize, usize)> = shells.iter().copied().zip(0..).collect();
+    members.sort_unstable();
+    let [lower, upper] = body.bounding_box();
+    let negligible = SHELL_FLAT * (upper - lower).amax().powi(D as i32);
+    let mut turned = Vec::new();
+    let mut is_flat = true;
+    for shell in members.chunk_by(|a, b| a.0 == b.0) {
+        let (first, triangles) = (shell[0].0, shell.len());
+        let volume = body.volume_of(shell.iter().map(|(_, piece)| *piece));
+        is_flat &= volume.abs() <= negligible;
+        let is_cavity = depth(body, shells, first) % 2 == 1;
+        if (volume < 0.0) != is_cavity {
+            let triangle = first + 1;
+            turned.push(first);
+            body.notices.push(match is_cavity {
+                true => BodyNotice::Cavity { triangle, triangles },
+                false => BodyNotice::Turned { triangle, triangles },
+            });
+        }
+    }
+    if is_flat {
+        return Err(BodyError::Flat { triangles: shells.len() });
+    }
+    for (piece, shell) in body.pieces.iter_mut().zip(shells) {
+        if turned.binary_search(shell).is_ok() {
+            piece.swap(0, 1);
+        }
+    }
+    Ok(())
+}
+
+/// How many other shells enclose a shell.
+fn depth<const D: usize>(body: &Body<D>, shells: &[usize], shell: usize) -> usize {
+    let piece = body.piece(shell);
+    let middle = piece.iter().sum::<Vector<D>>() / D as f64;
+    let mut around: Vec<(usize, i32)> = Vec::new();
+    body.above(&middle, |number, side| {
+        let other = shells[number];
+        match around.iter_mut().find(|(known, _)| *known == other) {
+            Some((_, winding)) => *winding += side,
+            None => around.push((other, side)),
+        }
+    });
+    around.iter().filter(|(other, winding)| *other != shell && *winding != 0).count()
+}
