@@ -37,13 +37,13 @@ pub struct Curve<'a> {
     pub values: &'a [f64],
 }
 
-/// Writes curves over the places `x`; values that are not finite are left out.
+/// Writes curves over the places `x`, which are called `x_name`; values that are not finite are left out.
 ///
 /// # Errors
 /// A curve that does not have one value per place, and whatever the file system reports.
 pub fn write_curves(
     path: impl AsRef<Path>,
-    x: &[f64],
+    (x_name, x): (&str, &[f64]),
     curves: &[Curve<'_>],
     title: &str,
 ) -> Result<(), ExportError> {
@@ -58,7 +58,7 @@ pub fn write_curves(
             .margin(MARGIN)
             .set_all_label_area_size(LABELS)
             .build_cartesian_2d(left..right, low..high)?;
-        chart.configure_mesh().disable_mesh().x_desc("x").draw()?;
+        chart.configure_mesh().disable_mesh().x_desc(x_name).draw()?;
         for (curve, colour) in curves.iter().zip(CURVES.iter().cycle()) {
             let colour = *colour;
             let points = x.iter().copied().zip(curve.values.iter().copied()).filter(|(_, y)| y.is_finite());

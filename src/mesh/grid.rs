@@ -115,4 +115,28 @@ impl<const D: usize> Grid<D> {
             (0..width).map(move |place| row + self.stepped_along(0, at[0], step(place)))
         })
     }
+
+    /// Nodes along each axis that are not images of others at joined ends.
+    pub fn unique_nodes(&self) -> [usize; D] {
+        std::array::from_fn(|axis| self.cells[axis] + usize::from(!self.periodic[axis]))
+    }
+
+    /// The cells around a node, each with the number of its corner that the node is: bit `a` of the number is the corner's offset along
+    /// the axis `a`.
+    pub fn around_node(&self, node: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let at = self.node_offset(node);
+        (0..1 << D).filter_map(move |corner| {
+            let mut offset = [0; D];
+            for axis in 0..D {
+                let n = self.cells[axis];
+                offset[axis] = match at[axis].checked_sub(corner >> axis & 1) {
+                    Some(place) if place < n => place,
+                    _ if !self.periodic[axis] => return None,
+                    Some(_) => 0,
+                    None => n - 1,
+                };
+            }
+            Some((corner, self.index(offset)))
+        })
+    }
 }

@@ -62,7 +62,7 @@ impl NodalScheme {
         let old: &[f64] = nodes;
         let new = parallel::map(old.len(), |node| {
             let (mut amount, mut sum) = (0.0, 0.0);
-            for (number, cell) in cells_around(grid, node) {
+            for (number, cell) in grid.around_node(node) {
                 amount += amounts[cell];
                 sum += amounts[cell] * cells[number % cells.len()][cell];
             }
@@ -76,7 +76,7 @@ impl NodalScheme {
 /// all of it, once each.
 pub fn nodal_amounts<const D: usize>(grid: &Grid<D>, amounts: &[f64]) -> Vec<f64> {
     parallel::map(grid.node_count(), |node| {
-        cells_around(grid, node).map(|(_, cell)| amounts[cell]).sum::<f64>() / count(D) as f64
+        grid.around_node(node).map(|(_, cell)| amounts[cell]).sum::<f64>() / count(D) as f64
     })
 }
 
@@ -87,24 +87,5 @@ pub fn nodal_integral<const D: usize>(grid: &Grid<D>, nodes: &[f64], amounts: &[
         let at = grid.node_offset(node);
         let is_image = (0..D).any(|axis| grid.periodic()[axis] && at[axis] == grid.cells()[axis]);
         if is_image { 0.0 } else { nodes[node] * masses[node] }
-    })
-}
-
-/// The cells around a node, each with the number of the corner that the node is of it.
-fn cells_around<const D: usize>(grid: &Grid<D>, node: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
-    let at = grid.node_offset(node);
-    (0..count(D)).filter_map(move |number| {
-        let corner = corner::<D>(number);
-        let mut offset = [0; D];
-        for axis in 0..D {
-            let n = grid.cells()[axis];
-            offset[axis] = match at[axis].checked_sub(corner[axis]) {
-                Some(place) if place < n => place,
-                _ if !grid.periodic()[axis] => return None,
-                Some(_) => 0,
-                None => n - 1,
-            };
-        }
-        Some((number, grid.index(offset)))
     })
 }

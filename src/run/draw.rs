@@ -89,7 +89,7 @@ impl Draw<2> for Quad {
         let x: Vec<f64> = (0..columns).map(middle).collect();
         let mut curves = vec![Curve { name: "start", values: start }, Curve { name: "now", values }];
         curves.extend(exact.map(|values| Curve { name: "exact", values }));
-        write_curves(path, &x, &curves, title).map(|()| true)
+        write_curves(path, ("x", &x), &curves, title).map(|()| true)
     }
 
     #[cfg(not(feature = "plot"))]

@@ -103,8 +103,8 @@ fn prepared<C: Draw<D>, const D: usize>(
     let fractions = prepare::fractions(scene, &mesh)?;
     progress.stage("fluxes");
     let setup = prepare::setup(scene, &mesh)?;
+    let fields = Fields::new(scene, &mesh)?;
     let folder = Folder::open(&options.folder, options.force)?;
-    let fields = Fields::new(scene, &mesh, setup.plan.overdraft);
     let run = Run { scene, setup, fields, folder: folder.path(), threads: options.threads, clock };
     let done = run.go(fractions, progress);
     if done.is_err() {
@@ -188,7 +188,7 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
         let mesh = self.setup.mover.mesh();
         let exact = exact::fractions(scene, mesh, &self.setup, tally.crossed());
         let mut summary = tally.summary(scene, &self.setup, mesh, &fractions, exact.as_deref());
-        summary.fields = self.fields.summaries(mesh, &self.exact_fields(plan.steps));
+        summary.fields = self.fields.summaries(mesh, &self.exact_fields(plan.steps), self.setup.is_closed());
         summary.facet_gap_mean = facet_gap_mean(mesh, &facets);
         summary.notes = notes(scene, mesh, &plan, &schedule);
         summary.skipped.times_after_end = schedule.after_end;

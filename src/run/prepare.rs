@@ -5,7 +5,7 @@ use vofkit_geometry::{Cell, Vector};
 use super::memory;
 use super::plan::Plan;
 use crate::advection::{
-    Boundary, Ledger, Remesh, Scheme, Settings, SetupError, StepError, SweepAxes, Transport,
+    Boundary, End, Ledger, Remesh, Scheme, Settings, SetupError, StepError, SweepAxes, Transport,
 };
 use crate::fractions::volume_fractions;
 use crate::mesh::{Grid, Mesh, MeshError, MeshMotion, MeshPath, MotionError, MotionRates, axis_name};
@@ -181,6 +181,14 @@ fn moving<'a, C: Cell<D>, const D: usize>(
     Ok(Setup { mover, velocity, boundary, divergence: mismatch, plan })
 }
 
+impl<C: Cell<D>, const D: usize> Setup<'_, C, D> {
+    /// Whether nothing can leave the mesh.
+    pub fn is_closed(&self) -> bool {
+        let periodic = self.mover.mesh().grid().periodic();
+        (0..D).all(|axis| periodic[axis] || !self.boundary.ends[axis].contains(&End::Outflow))
+    }
+}
+
 impl<C: Cell<D>, const D: usize> Mover<'_, C, D> {
     /// The mesh as it is now.
     pub fn mesh(&self) -> &Mesh<C, D> {
@@ -201,11 +209,14 @@ impl<C: Cell<D>, const D: usize> Mover<'_, C, D> {
         [start, end]: [f64; 2],
         run_end: f64,
     ) -> Result<Ledger, StepError> {
+        // Without materials there is nothing to cut.
+        let is_needed = !fractions.is_empty();
         match self {
-            Self::Flow(transport) => transport.step(fractions, step, start, end),
+            Self::Flow(transport) if is_needed => transport.step(fractions, step, start, end),
+            Self::Flow(_) => Ok(Ledger::new(0)),
             Self::Remesh { remesh, path, at } => {
                 let to = path.mesh(end / run_end)?;
-                let ledger = remesh.step(at, &to, fractions, step)?;
+                let ledger = if is_needed { remesh.step(at, &to, fractions, step)? } else { Ledger::new(0) };
                 *at = to;
                 Ok(ledger)
             }

@@ -32,7 +32,7 @@ use vofkit_geometry::Vector;
 pub use advection::{AdvectionSetup, Mode, Stepping, Substeps};
 pub use boundary::BoundarySetup;
 pub use error::{SceneError, Source};
-pub use field::{FieldSetup, Kind, Location};
+pub use field::{FieldSetup, Kind, Location, Method};
 pub use mesh::MeshSetup;
 pub use output::OutputSetup;
 pub use velocity::ReversalSetup;
@@ -177,6 +177,8 @@ pub(crate) enum Part {
     Shape(usize),
     /// The velocity field.
     Field,
+    /// The start of a quantity that belongs to the mesh.
+    Initial(usize),
     /// The ends of an axis.
     Boundary(usize),
     /// The scheme.
@@ -409,6 +411,7 @@ impl<const D: usize> Still<D> {
             }
             Part::Shape(material) => file.materials()[material].shape.span(),
             Part::Motion | Part::Field => moves(),
+            Part::Initial(field) => file.field[field].initial_place(),
             Part::Boundary(axis) => given(file.boundary.place(axis), moves()),
             Part::Scheme => advection.scheme_place(),
             Part::Courant => advection.courant_place(),

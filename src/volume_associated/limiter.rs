@@ -23,12 +23,23 @@ pub enum Limiter {
     Off,
 }
 
-/// A factor on MinMod that is not from 0 to 2: beyond it the face value would leave the interval of the two cell means.
+/// A factor `alpha` that is not from 0 to 2. That on MinMod would let face values leave the interval of the two cell means, and that of the
+/// smoothing of the direct scheme would turn the shortest wave over and let it grow.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("the factor on MinMod is {alpha}, not from 0 to 2")]
+#[error("alpha is {alpha}, not from 0 to 2")]
 pub struct AlphaRange {
     /// The factor.
     pub alpha: f64,
+}
+
+impl AlphaRange {
+    /// Whether a factor is in the range.
+    ///
+    /// # Errors
+    /// A factor that is not.
+    pub fn check(alpha: f64) -> Result<(), Self> {
+        if (0.0..=2.0).contains(&alpha) { Ok(()) } else { Err(Self { alpha }) }
+    }
 }
 
 /// The factor `alpha` on MinMod for a Courant number: 2 up to 1/2, then `5.75 Cr^2 - 12.6 Cr + 6.9` (Eq. 71).
@@ -45,7 +56,7 @@ impl Limiter {
     /// A constant factor on MinMod that is not from 0 to 2.
     pub fn check(&self) -> Result<(), AlphaRange> {
         match *self {
-            Self::ScaledMinMod { alpha } if !(0.0..=2.0).contains(&alpha) => Err(AlphaRange { alpha }),
+            Self::ScaledMinMod { alpha } => AlphaRange::check(alpha),
             _ => Ok(()),
         }
     }

@@ -7,6 +7,7 @@ use super::face_values::{self, Means};
 use super::face_volumes::{FaceVolumes, Splitting};
 use super::fct::Correction;
 use super::limiter::AlphaRange;
+use super::pointwise::PointError;
 use super::scheme::Scheme;
 use super::spacing::Spacing;
 use super::update;
@@ -93,6 +94,9 @@ pub enum TransportError {
     /// A limiter out of range.
     #[error(transparent)]
     Alpha(#[from] AlphaRange),
+    /// Values at integration points that cannot be moved.
+    #[error(transparent)]
+    Points(#[from] PointError),
 }
 
 /// What a step did to each quantity.

@@ -2,7 +2,7 @@
 
 use vofkit_geometry::Cell;
 
-use super::{Fields, sampled};
+use super::{Fields, state::sampled};
 use crate::mesh::{Grid, Mesh};
 use crate::metrics::{extremes, total_variation};
 use crate::nodal::nodal_integral;
@@ -28,7 +28,10 @@ pub(in crate::run) struct Measure {
 impl<const D: usize> Fields<'_, D> {
     /// The least and the largest value of a field.
     pub(super) fn extremes_of(&self, field: usize) -> [f64; 2] {
-        self.values(field)
+        // Those at integration points, where they are kept.
+        let at_points = self.state.points[field].as_slice().concat();
+        let values = if at_points.is_empty() { self.values(field) } else { &at_points };
+        values
             .iter()
             .map(|values| extremes(values))
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [c, d]| [a.min(c), b.max(d)])

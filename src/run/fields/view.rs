@@ -7,7 +7,7 @@ use vofkit_geometry::Cell;
 #[cfg(feature = "vtk")]
 use vofkit_geometry::Vector;
 
-use super::{Fields, sampled};
+use super::{Fields, state::sampled};
 use crate::export::ExportError;
 #[cfg(feature = "vtk")]
 use crate::export::vtk::{CellArray, write_points};
@@ -83,7 +83,11 @@ impl<const D: usize> Fields<'_, D> {
         let values: Vec<Vec<Vec<f64>>> = at_points
             .iter()
             .map(|&k| {
-                let limiter = self.setups[k].scheme.limiter();
+                let moved = &self.state.points[k];
+                if !moved.is_empty() {
+                    return moved.iter().map(|of_component| of_component.concat()).collect();
+                }
+                let limiter = self.setups[k].method.limiter();
                 let of_component = |means: &Vec<f64>| points::redistribute(mesh, limiter, means).concat();
                 self.values(k).iter().map(of_component).collect()
             })
