@@ -60,6 +60,10 @@ pub const SPREAD_LEAST: f64 = 1e-3;
 /// Starts whose directions have a cosine above this lead to the same minimum.
 pub const STARTS_APART: f64 = 0.99;
 
+/// A part of a cell below this lies in one corner or at one edge, so that planes that leave it turn about a point of their own: the misfit
+/// then has minima that say nothing about the patch.
+pub const CELL_PART: f64 = 1e-3;
+
 /// The turn over which derivatives of a centroid are differences: the rounding of a centroid over it is as large as its square.
 pub const CENTROID_TURN: f64 = 1e-6;
 

@@ -2,9 +2,8 @@
 
 mod common;
 
-use common::{Mesh2, Mesh3, drift, random, run, steady, transport, unit_mesh};
+use common::{Mesh2, Mesh3, drift, fixed, random, run, steady, transport, unit_mesh};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use vofkit::advection::{End, Settings, SetupError, StepError, SweepAxes, Transport};
 use vofkit::fractions::volume_fractions;
 use vofkit::geometry::{Cell, HalfSpace, Vector};
@@ -42,12 +41,7 @@ fn conserves<C: Cell<D>, const D: usize>(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 24,
-        rng_seed: RngSeed::Fixed(20_261_122),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    })]
+    #![proptest_config(fixed(24, 20_261_122))]
 
     #[test]
     fn sweeps_along_mesh_lines_conserve_and_stay_bounded_2d(

@@ -2,9 +2,8 @@
 
 mod common;
 
-use common::{Mesh2, Mesh3, drift, random, run, steady, transport, unit_mesh};
+use common::{Mesh2, Mesh3, drift, fixed, random, run, steady, transport, unit_mesh};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use vofkit::advection::{Settings, StepError, SweepAxes, Transport};
 use vofkit::facet::Facet;
 use vofkit::fractions::volume_fractions;
@@ -93,12 +92,7 @@ fn by_chance(cells: usize, count: usize, full: bool, parts: &[f64]) -> Vec<Vec<f
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 6,
-        rng_seed: RngSeed::Fixed(20_261_124),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    })]
+    #![proptest_config(fixed(6, 20_261_124))]
 
     #[test]
     fn parts_tile_the_cell_2d(

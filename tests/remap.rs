@@ -2,9 +2,8 @@
 
 mod common;
 
-use common::{Mesh2, Mesh3, random, unit_mesh};
+use common::{Mesh2, Mesh3, fixed, random, unit_mesh};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use vofkit::advection::{RemapError, Remapped, remap};
 use vofkit::fractions::volume_fractions;
 use vofkit::geometry::{Cell, HalfSpace, Vector};
@@ -40,12 +39,7 @@ fn conserves<C: Cell<D>, const D: usize>(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 16,
-        rng_seed: RngSeed::Fixed(20_261_125),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    })]
+    #![proptest_config(fixed(16, 20_261_125))]
 
     #[test]
     fn conserves_and_stays_bounded_2d(

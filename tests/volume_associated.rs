@@ -2,9 +2,8 @@
 
 mod common;
 
-use common::{Mesh2, Mesh3, random};
+use common::{Mesh2, Mesh3, fixed, random};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use vofkit::advection::StepError;
 use vofkit::geometry::{Cell, Vector};
 use vofkit::mesh::{Distortion, Grid, Mesh};
@@ -140,9 +139,7 @@ fn splitting() -> impl Strategy<Value = Splitting> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 24, failure_persistence: None, rng_seed: RngSeed::Fixed(6), ..ProptestConfig::default()
-    })]
+    #![proptest_config(fixed(24, 6))]
 
     #[test]
     fn amounts_and_constants_last_in_2d(

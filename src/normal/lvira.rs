@@ -13,8 +13,11 @@
 //! moves the plane by `dm.(c_0 - y)` at its point `y`, with the middle `c_0` of the cell's own section; so a neighbour with
 //! section area `A` and section middle `c` has `d(V_tr / V)/dm = -(A / V) (c - c_0)`.
 //!
-//! The misfit has several minima where the patch holds a corner or two interfaces (Sect. 5.1 of the paper): where the one that
-//! Youngs' normal leads to is poor, the descent starts again from other guesses, and the least of the minima is taken.
+//! The misfit has several minima where the patch holds a corner or two interfaces (Sect. 5.1 of the paper), and where the cell is all
+//! but full or empty: a plane that has to leave it a tiny part turns about one of its corners, and each corner has a minimum of its own,
+//! even for a patch that a single plane cuts. Where the minimum that Youngs' normal leads to is poor, the descent starts again from other
+//! guesses, and the least of the minima is taken. One of these guesses is what the descent finds that keeps the volume of the cell of the
+//! patch that is nearest to half full, instead of the middle one.
 
 use vofkit_geometry::{Cell, HalfSpace, PositionMethod, Vector};
 
@@ -22,7 +25,7 @@ use super::descent::{Descent, Sample, descend};
 use super::patch::{Met, Patch};
 use super::{Around, Direction, Found};
 use super::{elvira, least_squares, youngs};
-use crate::tolerance::{MISFIT_POOR, SPREAD_LEAST, STARTS_APART};
+use crate::tolerance::{CELL_PART, MISFIT_POOR, SPREAD_LEAST, STARTS_APART};
 
 pub(super) fn normal<C: Cell<D>, const D: usize>(
     around: &Around<'_, C, D>,
@@ -30,17 +33,25 @@ pub(super) fn normal<C: Cell<D>, const D: usize>(
 ) -> Found<D> {
     let start = youngs::physical(around)?;
     let mut fit = Fit::new(around, position);
-    let Some(mut best) = fit.descend(&start.normal) else {
+    let Some(mut best) = fit.descend(fit.patch.frame.normal(&start.normal)) else {
         return Ok(Direction { determined: false, trials: fit.trials, ..start });
     };
     if best.misfit > MISFIT_POOR * fit.patch.neighbours().count() as f64 {
         // In 3D there are 27 candidates of ELVIRA, and none of them is better than a gradient.
         let elvira = if D == 2 { elvira::best(around, &mut fit).ok() } else { None };
-        for other in elvira.into_iter().chain(least_squares::fitted(&fit.patch)) {
-            if fit.patch.frame.normal(&other.normal).dot(&best.normal) > STARTS_APART {
-                continue;
-            }
-            match fit.descend(&other.normal) {
+        let guesses = [elvira, least_squares::fitted(&fit.patch).ok()];
+        let guesses = guesses.map(|guess| {
+            let guess = fit.patch.frame.normal(&guess?.normal);
+            (guess.dot(&best.normal) <= STARTS_APART).then_some(guess)
+        });
+        let fraction = around.fraction();
+        let balanced = if fraction.min(1.0 - fraction) < CELL_PART {
+            fit.descend_keeping(fit.most_balanced(), best.normal)
+        } else {
+            None
+        };
+        for guess in guesses.into_iter().chain([balanced.map(|found| found.normal)]).flatten() {
+            match fit.descend(guess) {
                 Some(descent) if descent.misfit < best.misfit => best = descent,
                 _ => {}
             }
@@ -54,6 +65,8 @@ pub(super) fn normal<C: Cell<D>, const D: usize>(
 pub(super) struct Fit<C, const D: usize> {
     pub(super) patch: Patch<C, D>,
     position: PositionMethod,
+    /// The place of the cell whose volume is kept.
+    kept: usize,
     /// Square roots of the weights by place.
     weights: [f64; 27],
     /// Derivatives by place, as far as they were computed.
@@ -72,20 +85,41 @@ impl<C: Cell<D>, const D: usize> Fit<C, D> {
             let spread = (f * (1.0 - f) + SPREAD_LEAST).sqrt();
             weights[place] = (spread.sqrt() * (patch.middle(place) - middle).norm()).recip();
         }
-        Self { patch, position, weights, slopes: [Vector::zeros(); 27], trials: 0 }
+        Self {
+            patch,
+            position,
+            kept: Patch::<C, D>::MIDDLE,
+            weights,
+            slopes: [Vector::zeros(); 27],
+            trials: 0,
+        }
     }
 
-    /// Descends from a normal in space.
-    fn descend(&mut self, start: &Vector<D>) -> Option<Descent<D>> {
-        let start = self.patch.frame.normal(start);
+    /// Descends from a normal of the frame.
+    fn descend(&mut self, start: Vector<D>) -> Option<Descent<D>> {
         descend(start, |normal, fresh| self.sample(normal, fresh))
+    }
+
+    /// The same among the planes that leave the cell at another place its volume.
+    fn descend_keeping(&mut self, place: usize, start: Vector<D>) -> Option<Descent<D>> {
+        let own = std::mem::replace(&mut self.kept, place);
+        let descent = self.descend(start);
+        self.kept = own;
+        descent
+    }
+
+    /// The place of the cell that is nearest to half full.
+    fn most_balanced(&self) -> usize {
+        let off = |place: &usize| (self.patch.fraction(*place) - 0.5).abs();
+        let places = self.patch.neighbours();
+        places.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(self.kept)
     }
 
     /// The plane with a normal of the frame that leaves the cell its volume.
     fn place(&mut self, normal: &Vector<D>) -> Option<HalfSpace<D>> {
         self.trials += 1;
-        let fraction = self.patch.fraction(Patch::<C, D>::MIDDLE);
-        let cell = self.patch.cell(Patch::<C, D>::MIDDLE);
+        let fraction = self.patch.fraction(self.kept);
+        let cell = self.patch.cell(self.kept);
         let constant = cell.plane_constant(normal, fraction, self.position).ok()?.constant;
         Some(HalfSpace { normal: *normal, constant })
     }
@@ -111,8 +145,7 @@ impl<C: Cell<D>, const D: usize> Fit<C, D> {
     fn sample(&mut self, normal: &Vector<D>, fresh: bool) -> Option<Sample<D>> {
         let plane = self.place(normal)?;
         let heights = self.patch.heights(&plane);
-        let middle =
-            if fresh { Some(self.patch.cell(Patch::<C, D>::MIDDLE).section_centroid(&plane)?) } else { None };
+        let middle = if fresh { Some(self.patch.cell(self.kept).section_centroid(&plane)?) } else { None };
         let mut sample = Sample::default();
         for place in self.patch.neighbours() {
             let (truncated, slope) = match self.patch.meet(place, &heights) {

@@ -1,6 +1,7 @@
 //! Meshes and transports that several tests use.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
+use proptest::test_runner::{Config, RngSeed};
 use vofkit::advection::{Ledger, Settings, StepError, SweepAxes, Transport};
 use vofkit::geometry::{Cell, Hexahedron, Quad};
 use vofkit::mesh::{Distortion, Mesh};
@@ -13,6 +14,11 @@ pub(crate) type Mesh3 = Mesh<Hexahedron, 3>;
 /// The unit square or cube with `n` cells along each axis.
 pub(crate) fn unit_mesh<C: Cell<D>, const D: usize>(n: usize, distortion: Distortion) -> Mesh<C, D> {
     Mesh::unit([n; D], &distortion).expect("a valid mesh")
+}
+
+/// What property tests run with: the same cases on every machine.
+pub(crate) fn fixed(cases: u32, seed: u64) -> Config {
+    Config { cases, rng_seed: RngSeed::Fixed(seed), failure_persistence: None, ..Config::default() }
 }
 
 pub(crate) fn random(amplitude: f64, seed: u64) -> Distortion {
