@@ -14,7 +14,7 @@
 //! [`body_file`] reads bodies for shapes.
 //!
 //! With the feature `cli`, `scene` reads scene files, `run` runs them, `report` sums up, `kernel` takes tables of cells and planes
-//! through the geometry kernel, `study` runs combinations of settings and compares them (with the feature `plot`, too), and `cli` is the
+//! through the geometry kernel, `study` runs combinations of settings and compares them (with the feature `plot`, too), `stress` tries extreme cases, and `cli` is the
 //! command line `vofkit`.
 //! Numerics never look at these. Two and three dimensions are one code, generic over the dimension `D` and the type of
 //! [cell](geometry::Cell).
@@ -57,6 +57,8 @@ pub mod run;
 pub mod scene;
 pub mod shape;
 mod space;
+#[cfg(feature = "cli")]
+pub mod stress;
 #[cfg(all(feature = "cli", feature = "plot"))]
 pub mod study;
 pub mod tolerance;

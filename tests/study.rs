@@ -1,4 +1,4 @@
-//! Studies: what they run and skip, what they write, how they go on, and what is refused.
+//! Studies: what they run and skip, what they write, how they go on, and what is refused; and stress cases.
 #![cfg(all(feature = "cli", feature = "plot"))]
 
 mod cli_support;
@@ -252,4 +252,62 @@ fn every_shipped_study_makes_sense() {
 fn an_outcome_is_told_in_a_line() {
     let text = Outcome::Failed("so".to_owned()).text(vofkit::study::file::Task::Run);
     assert_eq!(text, "failed: so");
+}
+
+#[test]
+fn stress_cases_hold_and_are_the_same_for_any_number_of_threads() {
+    let place = Place::new();
+    for filter in ["geometry", "fractions", "motion/s", "motion/graded", "materials"] {
+        let run = |threads: &str| {
+            let arguments =
+                ["stress", "--filter", filter, "--cases", "200", "--threads", threads, "--out", threads];
+            let done = place.vofkit(&arguments);
+            assert_eq!((done.code, done.err.as_str()), (Some(0), ""), "{}", done.out);
+            done.out
+        };
+        assert_eq!(run("1"), run("2"));
+    }
+    assert_eq!(place.listed("1"), ["stress.html", "stress.json", "stress.md"]);
+    let report: Value = serde_json::from_slice(&fs::read(place.path("1/stress.json")).unwrap()).unwrap();
+    let families = report["families"].as_array().unwrap();
+    assert!(
+        families
+            .iter()
+            .all(|family| family["failures"] == 0 && !family["holds"].as_str().unwrap().is_empty())
+    );
+}
+
+#[test]
+fn the_worst_cases_can_be_run_again() {
+    let place = Place::new();
+    let worst = |filter: &str| {
+        let done = place.vofkit(&["stress", "--filter", filter, "--cases", "50", "--out", "o"]);
+        assert_eq!(done.code, Some(0), "{}", done.err);
+        let report: Value = serde_json::from_slice(&fs::read(place.path("o/stress.json")).unwrap()).unwrap();
+        report["families"][0]["worst"]["reproducer"].as_str().unwrap().to_owned()
+    };
+    place.file("cut.csv", worst("geometry/parts"));
+    place.file("fill.csv", worst("geometry/positions"));
+    place.file("scene.toml", worst("motion/whirl"));
+    let commands: [&[&str]; 3] = [
+        &["kernel", "truncate", "cut.csv", "--out", "cut.out"],
+        &["kernel", "position", "fill.csv", "--out", "fill.out"],
+        &["run", "scene.toml", "--out", "run"],
+    ];
+    for arguments in commands {
+        let done = place.vofkit(arguments);
+        assert_eq!(done.code, Some(0), "{arguments:?}: {}", done.err);
+    }
+}
+
+#[test]
+fn an_unknown_family_is_refused_with_those_that_there_are() {
+    let done = Place::new().vofkit(&["stress", "--filter", "geometri"]);
+    assert_eq!(done.code, Some(1));
+    assert!(
+        done.err.contains("no family is called \"geometri\"") && done.err.contains("geometry/parts"),
+        "{}",
+        done.err
+    );
+    assert_eq!(Place::new().vofkit(&["stress", "--cases", "0"]).code, Some(2));
 }

@@ -31,7 +31,8 @@ fuzz_target!(|input: Input| {
             Err(PositionError::Normal) => assert!(normal.iter().all(|&c| c == 0.0)),
             Err(PositionError::Volume(bad)) => assert!(!(bad > 0.0 && bad.is_finite())),
             Err(PositionError::NoConvergence { residual, .. }) => {
-                assert!(!valid || !measurable, "{method:?}: {residual:e} of {volume:e}");
+                let has_direction = normal.amax() > 1e-50 && volume > 1e-150;
+                assert!(!valid || !has_direction, "{method:?}: {residual:e} of {volume:e}");
             }
         }
     }

@@ -1,8 +1,10 @@
-//! The command line: `vofkit run`, `vofkit reconstruct`, `vofkit check`, `vofkit new`, `vofkit kernel`, `vofkit study`.
+//! The command line: `vofkit run`, `vofkit reconstruct`, `vofkit check`, `vofkit new`, `vofkit kernel`, `vofkit study`,
+//! `vofkit stress`.
 //!
 //! - this file: the arguments and what they start;
 //! - [`check`]: what a scene will do, without doing it; [`template`]: scenes to start from;
-//! - [`kernel`]: tables of cells and planes through the kernel; `study`: combinations of settings;
+//! - [`kernel`]: tables of cells and planes through the kernel; `study`: combinations of settings; [`stress`]:
+//!   extreme cases;
 //! - [`progress`]: how far a run is; [`terminal`]: text and errors on the terminal.
 //!
 //! Exit codes: 0 done, 1 failed, 2 wrong arguments.
@@ -10,6 +12,7 @@
 pub mod check;
 pub mod kernel;
 pub mod progress;
+pub mod stress;
 #[cfg(feature = "plot")]
 pub mod study;
 pub mod template;
@@ -71,6 +74,12 @@ pub enum Command {
         /// Which, to where and how.
         #[command(flatten)]
         work: study::Work,
+    },
+    /// Try stiff and extreme cases and report what falls short; the exit code is then not 0.
+    Stress {
+        /// Which, and how many.
+        #[command(flatten)]
+        work: stress::Work,
     },
     /// Ask the geometry kernel about a table of cells and planes.
     Kernel {
@@ -173,6 +182,7 @@ pub fn execute(command: Command) -> Result<(), Failure> {
         Command::New { kind } => terminal::print(&template::text(kind)),
         #[cfg(feature = "plot")]
         Command::Study { work } => study::run(work),
+        Command::Stress { work } => stress::run(work),
         Command::Kernel { question } => kernel::ask(question),
     }
 }

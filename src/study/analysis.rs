@@ -156,8 +156,8 @@ mod tests {
     use super::super::measure::{Named, Outcome};
     use super::*;
 
-    fn record(number: usize, error: f64, [least, median, largest]: [f64; 3]) -> Record {
-        let seconds = Spread { median, least, largest, count: 3 };
+    fn record(number: usize, error: f64, [lower, median, upper]: [f64; 3]) -> Record {
+        let seconds = Spread { median, lower, upper, count: 3 };
         let measures = Measures { errors: vec![Named::new("E", error)], seconds, ..Measures::default() };
         Record { number, labels: vec![number.to_string()], outcome: Outcome::Done(Box::new(measures)) }
     }
@@ -194,7 +194,8 @@ mod tests {
     #[test]
     fn the_median_lies_in_the_middle() {
         let spread = Spread::of(vec![3.0, 1.0, 2.0, 10.0]);
-        assert_eq!((spread.median, spread.least, spread.largest, spread.count), (2.5, 1.0, 10.0, 4));
-        assert!(spread.overlaps(&Spread::of(vec![10.0, 11.0])) && !spread.overlaps(&Spread::of(vec![10.5])));
+        assert_eq!((spread.median, spread.lower, spread.upper, spread.count), (2.5, 1.75, 4.75, 4));
+        assert!(spread.overlaps(&Spread::of(vec![4.5])) && !spread.overlaps(&Spread::of(vec![5.0])));
+        assert_eq!(Spread::of(Vec::new()), Spread::default());
     }
 }

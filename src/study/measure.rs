@@ -48,10 +48,10 @@ impl Named {
 pub struct Spread {
     /// The median.
     pub median: f64,
-    /// The smallest.
-    pub least: f64,
-    /// The largest.
-    pub largest: f64,
+    /// The lower quartile.
+    pub lower: f64,
+    /// The upper quartile.
+    pub upper: f64,
     /// How many there are.
     pub count: usize,
 }
@@ -60,21 +60,25 @@ impl Spread {
     /// The spread of some values; zeros without any.
     pub fn of(mut values: Vec<f64>) -> Self {
         values.sort_by(f64::total_cmp);
-        let (Some(&least), Some(&largest)) = (values.first(), values.last()) else { return Self::default() };
-        let middle = values.len() / 2;
-        let median =
-            if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) };
-        Self { median, least, largest, count: values.len() }
+        if values.is_empty() {
+            return Self::default();
+        }
+        let at = |share: f64| {
+            let place = share * (values.len() - 1) as f64;
+            let (low, part) = (place as usize, place.fract());
+            values[low] + part * (values[(low + 1).min(values.len() - 1)] - values[low])
+        };
+        Self { median: at(0.5), lower: at(0.25), upper: at(0.75), count: values.len() }
     }
 
-    /// Half of the width over the median, in percent.
+    /// Half of the distance between the quartiles over the median, in percent.
     pub fn percent(&self) -> f64 {
-        if self.median > 0.0 { 50.0 * (self.largest - self.least) / self.median } else { 0.0 }
+        if self.median > 0.0 { 50.0 * (self.upper - self.lower) / self.median } else { 0.0 }
     }
 
-    /// Whether both could be the same but for noise: their ranges overlap.
+    /// Whether both could be the same but for noise: the middle halves of their values overlap.
     pub fn overlaps(&self, other: &Self) -> bool {
-        self.least <= other.largest && other.least <= self.largest
+        self.lower <= other.upper && other.lower <= self.upper
     }
 }
 

@@ -57,11 +57,11 @@ pub(super) fn write(
 
 /// Numbers of a result by name, in the units of `results.jsonl`.
 fn numbers(measures: &Measures) -> [(&'static str, Option<f64>); 16] {
-    let Spread { median, least, largest, count } = measures.seconds;
+    let Spread { median, lower, upper, count } = measures.seconds;
     [
         ("seconds_median", Some(median)),
-        ("seconds_least", Some(least)),
-        ("seconds_largest", Some(largest)),
+        ("seconds_lower_quartile", Some(lower)),
+        ("seconds_upper_quartile", Some(upper)),
         ("passes", Some(count as f64)),
         ("cells_along_axis", measures.cells_along_axis),
         ("steps", measures.steps.map(|count| count as f64)),
@@ -170,11 +170,11 @@ fn work_precision(document: &mut Document, study: &Study, records: &[Record], na
     let on_front = |point: &Point<'_>| best.iter().any(|best| best.record.number == point.record.number);
     let mark = |record: &Record| {
         let point = all.iter().find(|point| point.record.number == record.number)?;
-        let Spread { median, least, largest, .. } = point.measures.seconds;
+        let Spread { median, lower, upper, .. } = point.measures.seconds;
         Some(Mark {
             x: median * factor,
             y: point.error,
-            range: Some([least * factor, largest * factor]),
+            range: Some([lower * factor, upper * factor]),
             label: on_front(point).then(|| short_title(study, point.record)),
         })
     };
@@ -192,7 +192,7 @@ fn work_precision(document: &mut Document, study: &Study, records: &[Record], na
     let x = format!("median time in {unit}");
     let svg = Chart { x: &x, y: name, y_is_log: true, ticks: Vec::new(), curves }.svg();
     let caption = format!(
-        "{name} against {x}; whiskers from the least to the largest. Labelled: what nothing beats in both."
+        "{name} against {x}; whiskers from the lower to the upper quartile. Labelled: what nothing beats in both."
     );
     figure(document, stem("work", name), caption, svg);
     let mut header: Vec<&str> = study.axes.iter().map(|axis| axis.name()).collect();
