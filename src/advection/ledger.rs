@@ -4,6 +4,7 @@ use crate::interface::Counts;
 
 /// One material's account of a step: fractions before any correction, and every correction.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "cli", derive(serde::Deserialize, serde::Serialize))]
 pub struct MaterialLedger {
     /// Smallest fraction before correction, among the cells that a sweep could change.
     pub smallest: f64,
@@ -42,6 +43,7 @@ impl MaterialLedger {
 
 /// The largest single correction, and where it was.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cli", derive(serde::Deserialize, serde::Serialize))]
 pub struct LargestCorrection {
     /// The change of a fraction.
     pub fraction: f64,
@@ -60,6 +62,7 @@ impl LargestCorrection {
 
 /// What a step, or a whole run, did.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cli", derive(serde::Deserialize, serde::Serialize))]
 pub struct Ledger {
     /// By material.
     pub materials: Vec<MaterialLedger>,

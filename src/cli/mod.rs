@@ -5,11 +5,12 @@
 //! - [`check`]: what a scene will do, without doing it; [`template`]: scenes to start from;
 //! - [`kernel`]: tables of cells and planes through the kernel; `study`: combinations of settings; [`stress`]:
 //!   extreme cases;
-//! - [`progress`]: how far a run is; [`terminal`]: text and errors on the terminal.
+//! - `interrupt`: Ctrl-C; [`progress`]: how far a run is; [`terminal`]: text and errors on the terminal.
 //!
 //! Exit codes: 0 done, 1 failed, 2 wrong arguments.
 
 pub mod check;
+mod interrupt;
 pub mod kernel;
 pub mod progress;
 pub mod stress;
@@ -26,7 +27,7 @@ use vofkit_geometry::{Hexahedron, Quad};
 
 use crate::report::{still, table};
 use crate::run::threads::Pool;
-use crate::run::{self, Progress, RunError, RunOptions, Silent};
+use crate::run::{self, Checkpoint, Checkpoints, Progress, RunError, RunOptions, Silent};
 use crate::scene::{Draft, Scene, StillScene};
 use template::Kind;
 use terminal::Failure;
@@ -45,13 +46,24 @@ pub struct Arguments {
 pub enum Command {
     /// Run a scene and write what it asks for.
     Run {
-        /// What, to where and how.
+        /// The scene file.
+        #[arg(required_unless_present = "resume")]
+        scene: Option<PathBuf>,
+        /// Go on with the run that left a checkpoint in this output folder; it has the scene, too.
+        #[arg(long, value_name = "DIR", conflicts_with_all = ["scene", "out", "force", "set"])]
+        resume: Option<PathBuf>,
+        /// Write a checkpoint into the output folder after every so many steps; Ctrl-C writes one in any case.
+        #[arg(long, value_name = "STEPS", value_parser = clap::value_parser!(u32).range(1..))]
+        checkpoint: Option<u32>,
+        /// To where and how.
         #[command(flatten)]
         work: Work,
     },
     /// Reconstruct the interface of a scene as it stands and write what it asks for; it needs no velocity and no advection.
     Reconstruct {
-        /// What, to where and how.
+        /// The scene file.
+        scene: PathBuf,
+        /// To where and how.
         #[command(flatten)]
         work: Work,
     },
@@ -89,11 +101,9 @@ pub enum Command {
     },
 }
 
-/// A scene, to where its results go, and how.
+/// To where the results of a scene go, and how.
 #[derive(Debug, Args)]
 pub struct Work {
-    /// The scene file.
-    pub scene: PathBuf,
     /// The output folder; `out/NAME` with the name of the scene unless it is given.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -153,16 +163,29 @@ pub fn main() -> ExitCode {
 /// A scene that cannot be run, a run or a table that failed, or a standard output that cannot be written.
 pub fn execute(command: Command) -> Result<(), Failure> {
     match command {
-        Command::Run { work } => {
-            let scene = Scene::load(&work.scene, &work.set)?;
+        Command::Run { scene, resume, checkpoint, mut work } => {
+            let from = resume.map(|folder| Checkpoint::read(&folder)).transpose()?;
+            let scene = match (&from, scene) {
+                (Some(checkpoint), _) => {
+                    work.out = Some(checkpoint.folder().to_owned());
+                    checkpoint.scene()?
+                }
+                (None, scene) => Scene::load(scene.unwrap_or_default(), &work.set)?,
+            };
+            let checkpoints =
+                Checkpoints { every: checkpoint.unwrap_or(0) as usize, stop: Some(interrupt::flag()?) };
             let run = |options: &RunOptions, progress: &mut dyn Progress| match &scene {
-                Scene::Plane(scene) => run::run::<Quad, 2>(scene, options, progress),
-                Scene::Space(scene) => run::run::<Hexahedron, 3>(scene, options, progress),
+                Scene::Plane(scene) => {
+                    run::run_with_checkpoints::<Quad, 2>(scene, options, &checkpoints, from, progress)
+                }
+                Scene::Space(scene) => {
+                    run::run_with_checkpoints::<Hexahedron, 3>(scene, options, &checkpoints, from, progress)
+                }
             };
             work.go(scene.name(), run, table::summary)
         }
-        Command::Reconstruct { work } => {
-            let scene = Draft::load(&work.scene, &work.set)?.still()?;
+        Command::Reconstruct { scene, work } => {
+            let scene = Draft::load(&scene, &work.set)?.still()?;
             let reconstruct = |options: &RunOptions, progress: &mut dyn Progress| match &scene {
                 StillScene::Plane(scene) => run::still::reconstruct::<Quad, 2>(scene, options, progress),
                 StillScene::Space(scene) => {

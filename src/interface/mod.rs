@@ -124,6 +124,7 @@ pub enum ReconstructionError {
 
 /// Counts of what a reconstruction did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(serde::Deserialize, serde::Serialize))]
 pub struct Counts {
     /// Mixed cells, one for each material in them.
     pub mixed: usize,

@@ -27,6 +27,26 @@ pub enum RunError {
         /// What would be right.
         help: String,
     },
+    /// A checkpoint that is of no use.
+    #[error("the checkpoint {} {problem}", path.display())]
+    Checkpoint {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+        /// What would be right.
+        help: &'static str,
+    },
+    /// The run was stopped from outside, and can go on.
+    #[error("stopped after step {step} of {steps}; go on with: vofkit run --resume {}", folder.display())]
+    Stopped {
+        /// The steps that are done.
+        step: usize,
+        /// All steps.
+        steps: usize,
+        /// The output folder with the checkpoint.
+        folder: PathBuf,
+    },
     /// A file was not written.
     #[error(transparent)]
     Export(#[from] ExportError),
@@ -66,6 +86,7 @@ impl Diagnostic for RunError {
         match self {
             Self::Scene(error) => error.help(),
             Self::Folder { help, .. } => Some(Box::new(help)),
+            Self::Checkpoint { help, .. } => Some(Box::new(help)),
             Self::Step { courant, error: StepError::Overdrawn { .. }, .. } => Some(Box::new(format!(
                 "lower advection.courant, now {courant:.4}, or set advection.substeps = \"auto\""
             ))),

@@ -5,6 +5,7 @@ use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use super::RunError;
+use super::checkpoint::CHECKPOINT;
 use super::fields::{FIELD_TABLE, is_field_picture};
 use super::history::HISTORY;
 use super::output::{FIRST, LAST, POINTS, STATES, picture_file, state_file};
@@ -53,6 +54,11 @@ impl Folder {
                 Err(error)
             }
         }
+    }
+
+    /// The folder of a run that goes on.
+    pub(super) fn of_run(path: &Path) -> Self {
+        Self { path: path.to_owned(), made: Vec::new() }
     }
 
     fn make(&mut self, force: bool) -> Result<(), RunError> {
@@ -108,7 +114,7 @@ impl Folder {
 /// Whether a run, finished or not, writes files of this name; a time series must have the content of one, too.
 fn is_of_a_run(name: &str, path: &Path) -> bool {
     let name = name.strip_suffix(PARTIAL).unwrap_or(name);
-    let tables = [SUMMARY, HISTORY, FIELD_TABLE].map(str::to_owned);
+    let tables = [SUMMARY, HISTORY, FIELD_TABLE, CHECKPOINT].map(str::to_owned);
     let fixed = tables.into_iter().chain([picture_file(FIRST), picture_file(LAST)]);
     fixed.into_iter().any(|own| own == name)
         || is_state(name)

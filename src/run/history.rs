@@ -22,7 +22,7 @@ pub(super) struct Line {
 
 /// The table while the run goes on.
 #[derive(Debug)]
-pub(super) struct History(Table);
+pub(super) struct History(pub(super) Table);
 
 impl History {
     /// Starts a table in a folder, with the line for the start.
@@ -47,10 +47,5 @@ impl History {
             line.mixed_cells.to_string(),
         ];
         self.0.record(fixed.into_iter().chain(line.materials.iter().flatten().map(number)))
-    }
-
-    /// Gives the table its name.
-    pub(super) fn finish(self) -> Result<(), ExportError> {
-        self.0.finish()
     }
 }

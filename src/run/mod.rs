@@ -4,10 +4,12 @@
 //! - [`prepare`]: mesh, fractions and transport, with the last errors of the scene; `memory`: whether they fit;
 //! - [`plan`]: the time steps;
 //! - `folder`, `history`, `table`, `output`, `series`, `planes`: what is written; [`draw`]: pictures, of the meshes that have them;
+//! - `checkpoint`: the state of a run, to go on from;
 //! - `fields`: the quantities that belong to the mesh;
 //! - `exact`: the exact final state, where it is known; `tally`: running totals; `notes`: what one might not expect;
 //! - [`progress`]: who is told how far it is; [`threads`]: how many work.
 
+mod checkpoint;
 pub mod draw;
 mod error;
 mod exact;
@@ -28,10 +30,13 @@ mod table;
 mod tally;
 pub mod threads;
 
+use std::borrow::Cow;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use checkpoint::State;
+pub use checkpoint::{Checkpoint, Checkpoints};
 pub use draw::Draw;
 pub use error::RunError;
 pub use output::Schedule;
@@ -45,6 +50,7 @@ use history::{HISTORY, History};
 pub(crate) use memory::{forget_peak, megabytes, peak};
 pub(crate) use notes::{notes, of_start};
 use output::{Beside, Output};
+use table::Table;
 use tally::Tally;
 pub(crate) use tally::{mixed_cells, not_asked_for};
 
@@ -85,7 +91,23 @@ pub fn run<C: Draw<D>, const D: usize>(
     options: &RunOptions,
     progress: &mut dyn Progress,
 ) -> Result<Summary, RunError> {
-    let done = prepared::<C, D>(scene, options, progress);
+    run_with_checkpoints::<C, D>(scene, options, &Checkpoints::default(), None, progress)
+}
+
+/// The same with checkpoints, from the start or from one of them, whose folder `options` then names.
+///
+/// A run that goes on comes to the same bits as one that was not stopped. A complete run leaves no checkpoint.
+///
+/// # Errors
+/// See [`RunError`].
+pub fn run_with_checkpoints<C: Draw<D>, const D: usize>(
+    scene: &Resolved<D>,
+    options: &RunOptions,
+    checkpoints: &Checkpoints,
+    from: Option<Checkpoint>,
+    progress: &mut dyn Progress,
+) -> Result<Summary, RunError> {
+    let done = prepared::<C, D>(scene, options, checkpoints, from, progress);
     progress.end();
     done
 }
@@ -93,20 +115,31 @@ pub fn run<C: Draw<D>, const D: usize>(
 fn prepared<C: Draw<D>, const D: usize>(
     scene: &Resolved<D>,
     options: &RunOptions,
+    checkpoints: &Checkpoints,
+    from: Option<Checkpoint>,
     progress: &mut dyn Progress,
 ) -> Result<Summary, RunError> {
     let clock = Instant::now();
-    Folder::check(&options.folder, options.force)?;
+    if from.is_none() {
+        Folder::check(&options.folder, options.force)?;
+    }
     progress.stage("mesh");
     let mesh: Mesh<C, D> = prepare::mesh(scene)?;
     progress.stage("fractions");
-    let fractions = prepare::fractions(scene, &mesh)?;
+    let fractions = match &from {
+        None => prepare::fractions(scene, &mesh)?,
+        Some(_) => Vec::new(),
+    };
     progress.stage("fluxes");
     let setup = prepare::setup(scene, &mesh)?;
+    let folder = match &from {
+        None => Folder::open(&options.folder, options.force)?,
+        Some(_) => Folder::of_run(&options.folder),
+    };
     let fields = Fields::new(scene, &mesh)?;
-    let folder = Folder::open(&options.folder, options.force)?;
-    let run = Run { scene, setup, fields, folder: folder.path(), threads: options.threads, clock };
-    let done = run.go(fractions, progress);
+    let threads = options.threads;
+    let run = Run { scene, setup, fields, folder: folder.path(), checkpoints, threads, clock };
+    let done = run.go(fractions, from, progress);
     if done.is_err() {
         folder.remove_if_empty();
     }
@@ -119,16 +152,72 @@ struct Run<'a, C, const D: usize> {
     setup: Setup<'a, C, D>,
     fields: Fields<'a, D>,
     folder: &'a Path,
+    checkpoints: &'a Checkpoints,
     threads: usize,
     clock: Instant,
 }
 
-impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
-    fn go(mut self, mut fractions: Vec<Vec<f64>>, progress: &mut dyn Progress) -> Result<Summary, RunError> {
+/// What changes from step to step besides mesh and fields.
+struct Stand<'a, const D: usize> {
+    step: usize,
+    substeps: usize,
+    fractions: Vec<Vec<f64>>,
+    tally: Tally,
+    output: Output<'a, D>,
+    history: Option<History>,
+    field_table: Option<FieldTable>,
+}
+
+impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
+    fn go(
+        mut self,
+        fractions: Vec<Vec<f64>>,
+        from: Option<Checkpoint>,
+        progress: &mut dyn Progress,
+    ) -> Result<Summary, RunError> {
         let (scene, plan) = (self.scene, self.setup.plan);
         let schedule = Schedule::new(&scene.output, &plan);
-        let mut tally = Tally::new(self.setup.mover.mesh(), &fractions);
-        let mut history = match scene.output.history {
+        let mut stand = match from {
+            None => self.start(fractions, &schedule)?,
+            Some(checkpoint) => self.go_on(checkpoint)?,
+        };
+        progress.begin(plan.steps);
+        let rate = plan.courant / plan.dt();
+        while stand.step < plan.steps {
+            let [start, end] = [stand.step, stand.step + 1].map(|step| plan.time(step));
+            let ledger = match self.step(&mut stand.fractions, stand.step, [start, end], &mut stand.substeps)
+            {
+                Ok(ledger) => ledger,
+                Err(error) => {
+                    // The steps before this one may tell why.
+                    stand.history.map(|history| history.0.finish()).transpose()?;
+                    stand.field_table.map(|table| table.0.finish()).transpose()?;
+                    return Err(error);
+                }
+            };
+            stand.tally.add(&stand.fractions, &ledger, stand.substeps);
+            if let Some(history) = &mut stand.history {
+                let courant = rate * self.setup.velocity.duration(start, end).abs();
+                let mesh = self.setup.mover.mesh();
+                history.add(&stand.tally.line(mesh, &stand.fractions, &ledger, [start, end], courant))?;
+            }
+            stand.step += 1;
+            self.measure(&mut stand.field_table, stand.step)?;
+            progress.step(stand.step, end, stand.tally.mixed_cells());
+            if stand.step < plan.steps {
+                self.write(&mut stand.output, &schedule, stand.step, &stand.fractions)?;
+                stand = self.checkpoint(stand)?;
+            }
+        }
+        progress.stage("summary");
+        self.finish(stand, &schedule)
+    }
+
+    /// Starts the tables and writes the first state.
+    fn start(&self, fractions: Vec<Vec<f64>>, schedule: &Schedule) -> Result<Stand<'a, D>, RunError> {
+        let scene = self.scene;
+        let tally = Tally::new(self.setup.mover.mesh(), &fractions);
+        let history = match scene.output.history {
             true => Some(History::create(self.folder, &scene.material_names(), &tally.first_line())?),
             false => None,
         };
@@ -137,51 +226,91 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
             false => None,
         };
         self.measure(&mut field_table, 0)?;
-        let mut output = Output::new(scene, Beside::Velocity(self.setup.velocity), self.folder.to_owned());
-        if let Err(error) = self.write(&mut output, &schedule, 0, &fractions) {
+        let mut output = self.output();
+        if let Err(error) = self.write(&mut output, schedule, 0, &fractions) {
             output.discard();
             return Err(error);
         }
+        let substeps = self.setup.plan.substeps;
+        Ok(Stand { step: 0, substeps, fractions, tally, output, history, field_table })
+    }
 
-        progress.begin(plan.steps);
-        let rate = plan.courant / plan.dt();
-        let mut substeps = plan.substeps;
-        for step in 0..plan.steps {
-            let [start, end] = [step, step + 1].map(|step| plan.time(step));
-            let ledger = match self.step(&mut fractions, step, [start, end], &mut substeps) {
-                Ok(ledger) => ledger,
-                Err(error) => {
-                    // The steps before this one may tell why.
-                    history.map(History::finish).transpose()?;
-                    field_table.map(FieldTable::finish).transpose()?;
-                    return Err(error);
-                }
-            };
-            tally.add(&fractions, &ledger, substeps);
-            if let Some(history) = &mut history {
-                let courant = rate * self.setup.velocity.duration(start, end).abs();
-                history.add(&tally.line(
-                    self.setup.mover.mesh(),
-                    &fractions,
-                    &ledger,
-                    [start, end],
-                    courant,
-                ))?;
-            }
-            self.measure(&mut field_table, step + 1)?;
-            progress.step(step + 1, end, tally.mixed_cells());
-            if step + 1 < plan.steps {
-                self.write(&mut output, &schedule, step + 1, &fractions)?;
-            }
+    fn output(&self) -> Output<'a, D> {
+        Output::new(self.scene, Beside::Velocity(self.setup.velocity), self.folder.to_owned())
+    }
+
+    /// Takes everything to where it was at a checkpoint.
+    fn go_on(&mut self, checkpoint: Checkpoint) -> Result<Stand<'a, D>, RunError> {
+        let plan = self.setup.plan;
+        let (cells, materials) = (self.setup.mover.mesh().grid().len(), self.scene.materials.len());
+        checkpoint.check(cells, materials, plan.steps)?;
+        let refusal = checkpoint.refusal();
+        let State { step, substeps, fractions, fields, tally, written, history, field_table } =
+            checkpoint.state;
+        if !self.fields.go_on(fields) {
+            return Err(refusal);
         }
-        progress.stage("summary");
-        let facets = self.write(&mut output, &schedule, plan.steps, &fractions)?;
+        self.setup.mover.go_on(plan.time(step) / plan.end).map_err(|error| RunError::Step {
+            step,
+            steps: plan.steps,
+            time: plan.time(step),
+            courant: plan.courant,
+            error,
+        })?;
+        let mut output = self.output();
+        output.go_on(written);
+        let reopened = |name: &str, length: Option<u64>| {
+            length.map(|length| Table::reopen(self.folder, name, length)).transpose()
+        };
+        Ok(Stand {
+            step,
+            substeps,
+            fractions: fractions.into_owned(),
+            tally: tally.into_owned(),
+            output,
+            history: reopened(HISTORY, history)?.map(History),
+            field_table: reopened(FIELD_TABLE, field_table)?.map(FieldTable),
+        })
+    }
+
+    /// Writes a checkpoint where one is due, and ends a run that is to stop.
+    fn checkpoint(&self, stand: Stand<'a, D>) -> Result<Stand<'a, D>, RunError> {
+        let is_stopped = self.checkpoints.is_stopped();
+        if !is_stopped && !self.checkpoints.includes(stand.step) {
+            return Ok(stand);
+        }
+        let length = |table: Option<&Table>| table.map(Table::length).transpose();
+        let state = State {
+            step: stand.step,
+            substeps: stand.substeps,
+            fractions: Cow::Borrowed(&stand.fractions),
+            fields: self.fields.state(),
+            tally: Cow::Borrowed(&stand.tally),
+            written: stand.output.written(),
+            history: length(stand.history.as_ref().map(|history| &history.0))?,
+            field_table: length(stand.field_table.as_ref().map(|table| &table.0))?,
+        };
+        checkpoint::write(self.folder, self.scene, &state)?;
+        if !is_stopped {
+            return Ok(stand);
+        }
+        let (step, steps, folder) = (stand.step, self.setup.plan.steps, self.folder.to_owned());
+        let tables = stand.history.map(|history| history.0).into_iter();
+        tables.chain(stand.field_table.map(|table| table.0)).for_each(Table::leave);
+        Err(RunError::Stopped { step, steps, folder })
+    }
+
+    /// Writes the last state and the account of the run.
+    fn finish(&self, stand: Stand<'a, D>, schedule: &Schedule) -> Result<Summary, RunError> {
+        let (scene, plan) = (self.scene, self.setup.plan);
+        let Stand { fractions, tally, mut output, history, field_table, .. } = stand;
+        let facets = self.write(&mut output, schedule, plan.steps, &fractions)?;
         if let Some(history) = history {
-            history.finish()?;
+            history.0.finish()?;
             output.files.push(HISTORY.to_owned());
         }
         if let Some(table) = field_table {
-            table.finish()?;
+            table.0.finish()?;
             output.files.push(FIELD_TABLE.to_owned());
         }
         output.files.push(SUMMARY.to_owned());
@@ -190,8 +319,8 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
         let mut summary = tally.summary(scene, &self.setup, mesh, &fractions, exact.as_deref());
         summary.fields = self.fields.summaries(mesh, &self.exact_fields(plan.steps), self.setup.is_closed());
         summary.facet_gap_mean = facet_gap_mean(mesh, &facets);
-        summary.notes = notes(scene, mesh, &plan, &schedule);
-        summary.skipped.times_after_end = schedule.after_end;
+        summary.notes = notes(scene, mesh, &plan, schedule);
+        summary.skipped.times_after_end.clone_from(&schedule.after_end);
         summary.obj_scale = output.obj_scale;
         summary.threads = self.threads;
         summary.files = output.files;
@@ -200,6 +329,7 @@ impl<C: Draw<D>, const D: usize> Run<'_, C, D> {
             serde_json::to_writer_pretty(&mut *writer, &summary)?;
             writeln!(writer)
         })?;
+        checkpoint::remove(self.folder)?;
         Ok(summary)
     }
 

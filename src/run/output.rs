@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use serde::{Deserialize, Serialize};
+
 use super::draw::{Draw, View};
 use super::fields::{FIELD_TABLE, Fields, picture_files};
 use super::folder::SUMMARY;
@@ -11,6 +13,8 @@ use super::planes::CellPlanes;
 #[cfg(feature = "vtk")]
 use super::series::Series;
 use crate::export::ExportError;
+#[cfg(feature = "vtk")]
+use crate::export::vtk::Collection;
 use crate::facet::Facet;
 use crate::mesh::Mesh;
 use crate::profile::Profile;
@@ -136,6 +140,16 @@ pub(super) struct Output<'a, const D: usize> {
     pub(super) obj_scale: Option<f64>,
 }
 
+/// What was written of a run so far.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub(super) struct Written {
+    states: usize,
+    #[cfg(feature = "vtk")]
+    series: Collection,
+    files: Vec<String>,
+    obj_scale: Option<f64>,
+}
+
 impl<'a, const D: usize> Output<'a, D> {
     #[cfg_attr(not(feature = "vtk"), expect(unused_variables, reason = "only fields show it"))]
     pub(super) fn new(scene: &'a Still<D>, beside: Beside<D>, folder: PathBuf) -> Self {
@@ -148,6 +162,29 @@ impl<'a, const D: usize> Output<'a, D> {
             written: 0,
             files: Vec::new(),
             obj_scale: None,
+        }
+    }
+
+    /// What was written so far.
+    pub(super) fn written(&self) -> Written {
+        Written {
+            states: self.written,
+            #[cfg(feature = "vtk")]
+            series: self.series.collection.clone(),
+            files: self.files.clone(),
+            obj_scale: self.obj_scale,
+        }
+    }
+
+    /// Goes on behind what was written.
+    pub(super) fn go_on(&mut self, written: Written) {
+        self.written = written.states;
+        self.files = written.files;
+        self.obj_scale = written.obj_scale;
+        #[cfg(feature = "vtk")]
+        {
+            let path = self.series.collection.path().to_owned();
+            self.series.collection = written.series.moved_to(path);
         }
     }
 

@@ -198,6 +198,17 @@ impl<C: Cell<D>, const D: usize> Mover<'_, C, D> {
         }
     }
 
+    /// Takes the mesh to where it is after a part of its way.
+    ///
+    /// # Errors
+    /// Cells that cannot be used.
+    pub(crate) fn go_on(&mut self, part: f64) -> Result<(), StepError> {
+        if let Self::Remesh { path, at, .. } = self {
+            *at = path.mesh(part)?;
+        }
+        Ok(())
+    }
+
     /// Advances the fractions over a part of a run that ends at `run_end`. `step` counts the steps and their parts.
     ///
     /// # Errors

@@ -22,7 +22,7 @@ pub(super) struct Series<'a, const D: usize> {
     scene: &'a Still<D>,
     beside: Beside<D>,
     folder: PathBuf,
-    collection: Collection,
+    pub(super) collection: Collection,
     names: Vec<String>,
 }
 

@@ -1,7 +1,7 @@
 //! A table that grows line by line, as comma-separated values.
 
-use std::fs::{self, File};
-use std::io;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::folder::PARTIAL;
@@ -28,6 +28,40 @@ impl Table {
         let mut table = Self { path, partial, writer: Some(csv::Writer::from_writer(file)) };
         table.record(header)?;
         Ok(table)
+    }
+
+    /// Goes on with a table that had so many bytes; what came after them is cut off.
+    pub(super) fn reopen(folder: &Path, name: &str, length: u64) -> Result<Self, ExportError> {
+        let path = folder.join(name);
+        let partial = folder.join(format!("{name}{PARTIAL}"));
+        let open = || {
+            if !partial.exists() {
+                // A run that failed completes its tables.
+                fs::rename(&path, &partial)?;
+            }
+            let mut file = OpenOptions::new().write(true).open(&partial)?;
+            let found = file.metadata()?.len();
+            if found < length {
+                return Err(io::Error::other(format!("{found} bytes of {length} are there")));
+            }
+            file.set_len(length)?;
+            file.seek(SeekFrom::End(0))?;
+            Ok(file)
+        };
+        let file = open().map_err(|error| ExportError::File { path: path.clone(), error })?;
+        Ok(Self { path, partial, writer: Some(csv::Writer::from_writer(file)) })
+    }
+
+    /// How many bytes there are.
+    pub(super) fn length(&self) -> Result<u64, ExportError> {
+        let length = fs::metadata(&self.partial).map(|metadata| metadata.len());
+        length.map_err(|error| ExportError::File { path: self.path.clone(), error })
+    }
+
+    /// Leaves the table as it is, to be gone on with.
+    pub(super) fn leave(mut self) {
+        // Every line is on its way to the disk already.
+        self.writer = None;
     }
 
     /// Adds a line.

@@ -1,5 +1,6 @@
 //! Running totals of a run, and the summary that they end in.
 
+use serde::{Deserialize, Serialize};
 use vofkit_geometry::Cell;
 
 use super::history::Line;
@@ -17,7 +18,7 @@ use crate::scene::{OutputSetup, Resolved};
 const LEAK: f64 = 1e-2;
 
 /// Totals so far.
-#[derive(Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub(super) struct Tally {
     ledger: Ledger,
     volumes: Vec<f64>,

@@ -382,6 +382,11 @@ impl<const D: usize> Still<D> {
         self.materials.iter().map(|material| material.name.clone()).collect()
     }
 
+    /// The name of the file, and the text of the scene with all values that were set.
+    pub(crate) fn text(&self) -> (&str, &str) {
+        (self.source.file(), self.source.text())
+    }
+
     /// An error in a part of the scene.
     pub(crate) fn error(
         &self,

@@ -10,12 +10,14 @@ use crate::export::{ExportError, write_file};
 ///
 /// The file is written anew with each time, so that a run that ends early leaves a valid one.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "cli", derive(serde::Deserialize, serde::Serialize))]
 pub struct Collection {
     path: PathBuf,
     entries: Vec<Entry>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "cli", derive(serde::Deserialize, serde::Serialize))]
 struct Entry {
     time: f64,
     group: String,
@@ -27,6 +29,12 @@ impl Collection {
     /// An empty series. The file is not touched before the first time is added.
     pub fn new(path: impl Into<PathBuf>) -> Self {
         Self { path: path.into(), entries: Vec::new() }
+    }
+
+    /// The same series in another place; its files must be there too.
+    #[must_use]
+    pub fn moved_to(self, path: impl Into<PathBuf>) -> Self {
+        Self { path: path.into(), ..self }
     }
 
     /// The `.pvd` file.

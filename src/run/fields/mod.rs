@@ -9,8 +9,10 @@ mod state;
 mod table;
 mod view;
 
+use std::borrow::Cow;
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize};
 use vofkit_geometry::{Cell, Vector};
 
 pub(super) use exact::exact;
@@ -51,6 +53,14 @@ pub(super) struct Fields<'a, const D: usize> {
     /// By field: what left through open ends less what came in, and the least and largest value so far.
     outflow: Vec<f64>,
     extremes: Vec<[f64; 2]>,
+}
+
+/// What changes of the fields from step to step.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub(super) struct FieldValues<'a> {
+    state: Cow<'a, State>,
+    outflow: Cow<'a, [f64]>,
+    extremes: Cow<'a, [[f64; 2]]>,
 }
 
 impl<'a, const D: usize> Fields<'a, D> {
@@ -145,6 +155,27 @@ impl<'a, const D: usize> Fields<'a, D> {
         });
         let at_nodes = matches!(setup.location, Location::Node(_));
         state.nodes.push(if at_nodes { values } else { Vec::new() });
+    }
+
+    /// What they are after the last step.
+    pub(super) fn state(&self) -> FieldValues<'_> {
+        FieldValues {
+            state: Cow::Borrowed(&self.state),
+            outflow: Cow::Borrowed(&self.outflow),
+            extremes: Cow::Borrowed(&self.extremes),
+        }
+    }
+
+    /// Puts them to where they were; returns false for the values of other fields.
+    pub(super) fn go_on(&mut self, values: FieldValues<'_>) -> bool {
+        let FieldValues { state, outflow, extremes } = values;
+        if !state.fits(&self.state) || [outflow.len(), extremes.len()] != [self.setups.len(); 2] {
+            return false;
+        }
+        self.state = state.into_owned();
+        self.outflow = outflow.into_owned();
+        self.extremes = extremes.into_owned();
+        true
     }
 
     /// Whether there are none.

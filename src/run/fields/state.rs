@@ -1,5 +1,6 @@
 //! The values of the fields of a run, and what they are at the start.
 
+use serde::{Deserialize, Serialize};
 use vofkit_geometry::Cell;
 
 use crate::mesh::Mesh;
@@ -8,7 +9,7 @@ use crate::scene::{FieldSetup, Location};
 use crate::volume_associated::points;
 
 /// The values of all fields.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
 pub(super) struct State {
     /// Means over the cells, by quantity; those of fields at nodes belong to their last step.
     pub(super) means: Vec<Vec<f64>>,
@@ -17,6 +18,19 @@ pub(super) struct State {
     /// Values at integration points, by field, component and number of the point, of fields that are moved there; none for others, whose
     /// means say all.
     pub(super) points: Vec<Vec<Vec<Vec<f64>>>>,
+}
+
+impl State {
+    /// Whether it has as many values as another one, everywhere.
+    pub(super) fn fits(&self, other: &Self) -> bool {
+        fn all<T>(a: &[T], b: &[T], same: impl Fn(&T, &T) -> bool) -> bool {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(a, b))
+        }
+        let lists = |a: &Vec<Vec<f64>>, b: &Vec<Vec<f64>>| all(a, b, |a, b| a.len() == b.len());
+        lists(&self.means, &other.means)
+            && all(&self.nodes, &other.nodes, lists)
+            && all(&self.points, &other.points, |a, b| all(a, b, lists))
+    }
 }
 
 /// The values of profiles where those of a field are: means over cells, or values at nodes. Fields at integration points start from the

@@ -11,7 +11,7 @@ pub(in crate::run) const FIELD_TABLE: &str = "fields.csv";
 
 /// The table while the run goes on.
 #[derive(Debug)]
-pub(in crate::run) struct FieldTable(Table);
+pub(in crate::run) struct FieldTable(pub(in crate::run) Table);
 
 impl FieldTable {
     /// Starts a table in a folder.
@@ -41,10 +41,5 @@ impl FieldTable {
         };
         let fixed = [step.to_string(), format!("{time:?}")];
         self.0.record(fixed.into_iter().chain(measures.iter().flat_map(of_field)))
-    }
-
-    /// Completes the table.
-    pub(in crate::run) fn finish(self) -> Result<(), ExportError> {
-        self.0.finish()
     }
 }

@@ -1,6 +1,8 @@
 //! Whole runs of the scenes: volume, bounds, coherence, accuracy, and the same bits with any number of threads.
 #![cfg(all(feature = "cli", feature = "obj", feature = "vtk", feature = "plot"))]
 
+mod checkpoints;
+#[path = "../cli_support/mod.rs"]
 mod cli_support;
 
 use std::fs;
