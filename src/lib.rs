@@ -49,6 +49,7 @@ pub mod normal;
 pub mod parallel;
 pub mod profile;
 mod quanta;
+pub mod quantity;
 #[cfg(feature = "cli")]
 pub mod report;
 #[cfg(feature = "cli")]
@@ -77,6 +78,7 @@ pub mod prelude {
     pub use crate::mesh::{Distortion, Grid, Mesh, MeshMotion, MeshPath, SweptVolumes};
     pub use crate::metrics::{fragments, material_volume, shape_error};
     pub use crate::normal::NormalMethod;
+    pub use crate::quantity::{MaterialQuantity, State};
     pub use crate::shape::{Body, Rotation, Shape};
     pub use crate::velocity::{Field, Reversal, Velocity};
 }

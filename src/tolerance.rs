@@ -122,6 +122,9 @@ pub const RANGE: std::ops::RangeInclusive<f64> = 1e-250..=1e250;
 /// are rounding, and no point of it could be moved to account for them.
 pub const FACE_COLLAPSED: f64 = 1e-10;
 
+/// What a cell keeps of a material below this, relative to what it held, is the rounding of what left.
+pub const KEPT_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// Unsplit contents may be out of bounds by this much, relative to the cell: rounding. More means that a pre-image folds over.
 pub const FRACTION_EXCESS: f64 = 1e-12;
 

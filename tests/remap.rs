@@ -4,38 +4,46 @@ mod common;
 
 use common::{Mesh2, Mesh3, fixed, random, unit_mesh};
 use proptest::prelude::*;
-use vofkit::advection::{RemapError, Remapped, remap};
+use vofkit::advection::{Ledger, RemapError, remap};
 use vofkit::fractions::volume_fractions;
 use vofkit::geometry::{Cell, HalfSpace, Vector};
 use vofkit::interface::{Reconstruction, ReconstructionError};
 use vofkit::mesh::{Distortion, Grid, Mesh};
 use vofkit::metrics::{material_volume, shape_error};
 use vofkit::normal::NormalMethod;
+use vofkit::quantity::{QuantityError, State};
 use vofkit::shape::Shape;
 
 fn ball<const D: usize>(centre: [f64; D], radius: f64) -> Shape<D> {
     Shape::Sphere { centre: centre.into(), radius }
 }
 
-fn conserves<C: Cell<D>, const D: usize>(
+/// The fractions on another mesh.
+fn remapped<C: Cell<D>, const D: usize>(
     from: &Mesh<C, D>,
     to: &Mesh<C, D>,
-    shapes: &[Shape<D>],
-) -> Remapped {
+    fractions: Vec<Vec<f64>>,
+    method: Reconstruction,
+) -> Result<(Vec<Vec<f64>>, Ledger), RemapError> {
+    let (state, ledger) = remap(from, to, &State::of_fractions(fractions), method)?;
+    Ok((state.fractions, ledger))
+}
+
+fn conserves<C: Cell<D>, const D: usize>(from: &Mesh<C, D>, to: &Mesh<C, D>, shapes: &[Shape<D>]) {
     let start = volume_fractions(from, shapes);
-    let remapped = remap(from, to, &start, Reconstruction::default()).expect("valid meshes");
-    for (k, account) in remapped.ledger.materials.iter().enumerate() {
+    let (fractions, ledger) =
+        remapped(from, to, start.clone(), Reconstruction::default()).expect("valid meshes");
+    for (k, account) in ledger.materials.iter().enumerate() {
         let before = material_volume(from, &start[k]);
-        let change = material_volume(to, &remapped.fractions[k]) - before;
+        let change = material_volume(to, &fractions[k]) - before;
         assert!(change.abs() <= 1e-13, "{change:e} of {before:e}");
         assert!(account.smallest >= -1e-12 && account.largest <= 1.0 + 1e-12, "{account:?}");
         assert!(account.clipped <= 1e-13 && account.rescaled == 0.0, "{account:?}");
     }
     for cell in 0..to.grid().len() {
-        let sum: f64 = remapped.fractions.iter().map(|f| f[cell]).sum();
+        let sum: f64 = fractions.iter().map(|f| f[cell]).sum();
         assert!(sum <= 1.0 + 1e-12, "{sum}");
     }
-    remapped
 }
 
 proptest! {
@@ -70,9 +78,9 @@ proptest! {
 fn the_same_mesh_gives_the_same_fractions() {
     let mesh: Mesh3 = unit_mesh(8, random(0.2, 3));
     let start = volume_fractions(&mesh, &[ball([0.5; 3], 0.3)]);
-    let remapped = remap(&mesh, &mesh, &start, Reconstruction::default()).expect("a valid mesh");
-    let difference =
-        start[0].iter().zip(&remapped.fractions[0]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let (fractions, _) =
+        remapped(&mesh, &mesh, start.clone(), Reconstruction::default()).expect("a valid mesh");
+    let difference = start[0].iter().zip(&fractions[0]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(difference <= 1e-12, "{difference:e}");
 }
 
@@ -83,8 +91,9 @@ fn planes_stay_planes_however_far_the_nodes_move() {
     let from: Mesh2 = unit_mesh(12, random(0.25, 1));
     let to: Mesh2 = unit_mesh(17, Distortion::Twist { angle: 0.8 });
     let method = Reconstruction { normal: NormalMethod::Lvira, ..Reconstruction::default() };
-    let remapped = remap(&from, &to, &volume_fractions(&from, &shapes), method).expect("valid meshes");
-    let error = shape_error(&to, &remapped.fractions[0], &volume_fractions(&to, &shapes)[0]);
+    let (fractions, _) =
+        remapped(&from, &to, volume_fractions(&from, &shapes), method).expect("valid meshes");
+    let error = shape_error(&to, &fractions[0], &volume_fractions(&to, &shapes)[0]);
     assert!(error <= 1e-8, "{error:e}");
 }
 
@@ -93,9 +102,10 @@ fn there_is_void_beyond_the_old_mesh() {
     let from: Mesh2 = unit_mesh(8, Distortion::None);
     let grid = Grid::new([9, 9], [false; 2]);
     let to = Mesh2::new(grid, Vector::repeat(-0.5), Vector::repeat(1.5), &random(0.2, 2)).expect("valid");
-    let remapped = remap(&from, &to, &[vec![1.0; 64]], Reconstruction::default()).expect("valid meshes");
-    assert!((material_volume(&to, &remapped.fractions[0]) - 1.0).abs() <= 1e-14);
-    assert_eq!(remapped.fractions[0][0], 0.0);
+    let (fractions, _) =
+        remapped(&from, &to, vec![vec![1.0; 64]], Reconstruction::default()).expect("valid meshes");
+    assert!((material_volume(&to, &fractions[0]) - 1.0).abs() <= 1e-14);
+    assert_eq!(fractions[0][0], 0.0);
 }
 
 #[test]
@@ -103,13 +113,12 @@ fn bad_fractions_are_refused() {
     let mesh: Mesh2 = unit_mesh(4, Distortion::None);
     let mut fractions = vec![vec![0.5; 16]];
     fractions[0][6] = f64::NAN;
-    let error = remap(&mesh, &mesh, &fractions, Reconstruction::default()).expect_err("not a fraction");
-    assert!(
-        matches!(&error, RemapError::Reconstruction(ReconstructionError::Cell { cell, .. }) if cell == &[2, 1]),
-        "{error}"
-    );
-    let error = remap(&mesh, &mesh, &[vec![0.5; 15]], Reconstruction::default()).expect_err("too few");
-    assert_eq!(error, RemapError::Reconstruction(ReconstructionError::Length { given: 15, cells: 16 }));
-    let nothing = remap(&mesh, &mesh, &[], Reconstruction::default()).expect("nothing to do");
-    assert!(nothing.fractions.is_empty());
+    let error = remapped(&mesh, &mesh, fractions, Reconstruction::default()).expect_err("not a fraction");
+    let RemapError::State(QuantityError::Fractions(of_cell)) = &error else { panic!("{error}") };
+    assert!(matches!(of_cell, ReconstructionError::Cell { cell, .. } if cell == &[2, 1]), "{error}");
+    let error = remapped(&mesh, &mesh, vec![vec![0.5; 15]], Reconstruction::default()).expect_err("too few");
+    let length = ReconstructionError::Length { given: 15, cells: 16 };
+    assert_eq!(error, RemapError::State(QuantityError::Fractions(length)));
+    let (nothing, _) = remapped(&mesh, &mesh, Vec::new(), Reconstruction::default()).expect("nothing to do");
+    assert!(nothing.is_empty());
 }

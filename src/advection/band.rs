@@ -62,17 +62,20 @@ impl<const D: usize> Band<D> {
         (slot != OUTSIDE).then_some(slot as usize)
     }
 
-    /// Collects all cells at most `reach` steps along each axis away from one that is not settled.
+    /// Collects all cells at most `reach` steps along each axis away from one that is not settled. Cells that hold a material with
+    /// quantities, by `carried`, never are.
     pub(super) fn collect(
         &mut self,
         grid: &Grid<D>,
         fractions: &[Vec<f64>],
+        carried: &[bool],
         boundary: &Boundary<D>,
         reach: [usize; D],
     ) {
         let row = grid.cells()[0];
         self.clear(grid);
-        let seeds = parallel::map(grid.len() / row, |r| unsettled(grid, fractions, boundary, r * row));
+        let seeds =
+            parallel::map(grid.len() / row, |r| unsettled(grid, fractions, carried, boundary, r * row));
         for (r, seeds) in seeds.iter().enumerate().filter(|(_, seeds)| !seeds.is_empty()) {
             let offset = grid.offset(r * row);
             for_each_row(grid, offset, reach, |target| {
@@ -97,6 +100,15 @@ impl<const D: usize> Band<D> {
                     self.places.push(Place { cell: (r * row + i) as u32, offset });
                 }
             }
+        }
+    }
+
+    /// Collects all cells.
+    pub(super) fn collect_all(&mut self, grid: &Grid<D>) {
+        self.clear(grid);
+        for (cell, slot) in self.slot.iter_mut().enumerate() {
+            *slot = cell as u32;
+            self.places.push(Place { cell: cell as u32, offset: grid.offset(cell).map(|at| at as u32) });
         }
     }
 
@@ -142,10 +154,11 @@ struct Row<'a, const D: usize> {
 }
 
 /// The cells of the row along the first axis from `start` that are mixed in some material, or in which it differs from a
-/// neighbour or from what flows in; ascending, as places in the row.
+/// neighbour or from what flows in, or is there and carried; ascending, as places in the row.
 fn unsettled<const D: usize>(
     grid: &Grid<D>,
     fractions: &[Vec<f64>],
+    carried: &[bool],
     boundary: &Boundary<D>,
     start: usize,
 ) -> Vec<u32> {
@@ -160,9 +173,11 @@ fn unsettled<const D: usize>(
     let mut found = Vec::new();
     for from in (0..length).step_by(CHUNK) {
         let to = (from + CHUNK).min(length);
-        if fractions.iter().enumerate().any(|(k, f)| row.may_change(f, inflow(k), from, to)) {
-            let changes =
-                |&i: &usize| fractions.iter().enumerate().any(|(k, f)| row.changes(f, inflow(k), i));
+        let holds = |k: usize, i: usize| carried[k] && fractions[k][start + i] > 0.0;
+        let may_hold = |k: usize| carried[k] && (from..to).any(|i| holds(k, i));
+        let each = || fractions.iter().enumerate();
+        if each().any(|(k, f)| row.may_change(f, inflow(k), from, to) || may_hold(k)) {
+            let changes = |&i: &usize| each().any(|(k, f)| row.changes(f, inflow(k), i) || holds(k, i));
             found.extend((from..to).filter(changes).map(|i| i as u32));
         }
     }

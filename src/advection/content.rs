@@ -8,10 +8,12 @@
 use vofkit_geometry::clip::{Full, Region, Side, Tile, Workspace, bounds};
 use vofkit_geometry::{Cell, Vector};
 
+use super::carry::{Carry, Piece, Pieces};
 use super::nested::Nested;
 use crate::interface::{RegionOf, Share};
 use crate::mesh::Mesh;
 use crate::mesh::locate::{Candidate, Locator};
+use crate::quantity::MaterialQuantity;
 
 /// A mesh with its materials before a step.
 pub(super) struct Source<'a, C, const D: usize> {
@@ -21,7 +23,58 @@ pub(super) struct Source<'a, C, const D: usize> {
     pub(super) nested: &'a Nested<D>,
     /// The material outside the mesh; none for void.
     pub(super) outside: Option<usize>,
+    /// The quantities of the materials; none where there are none.
+    pub(super) load: Option<Load<'a, D>>,
 }
+
+/// The quantities of the materials of a source.
+#[derive(Clone, Copy)]
+pub(super) struct Load<'a, const D: usize> {
+    pub(super) carry: &'a Carry<D>,
+    pub(super) quantities: &'a [MaterialQuantity],
+    /// Whether there are any, by material.
+    pub(super) carried: &'a [bool],
+}
+
+/// The pieces that a region is made of, with their materials.
+pub(super) type Record<const D: usize> = Vec<(usize, Piece<D>)>;
+
+/// What was found about a region that a cell gets.
+#[derive(Clone, Debug)]
+pub(super) struct Finding<const D: usize> {
+    pub(super) held: Result<Held, Full>,
+    /// Whether it was cut and may fold over.
+    pub(super) is_folded: bool,
+    /// Its pieces, and those of what crosses open ends; none where no quantities are carried.
+    pub(super) arriving: Record<D>,
+    pub(super) leaving: Record<D>,
+}
+
+impl<const D: usize> Finding<D> {
+    pub(super) fn new() -> Self {
+        Self { held: Ok(Held::One), is_folded: false, arriving: Vec::new(), leaving: Vec::new() }
+    }
+
+    /// Forgets what was found, and keeps the memory.
+    pub(super) fn reset(&mut self) {
+        self.arriving.clear();
+        self.leaving.clear();
+        (self.held, self.is_folded) = (Ok(Held::One), false);
+    }
+}
+
+impl<const D: usize> Pieces<D> for [Finding<D>] {
+    fn arriving(&self, _: &[Vec<f64>], place: usize, material: usize, visit: &mut dyn FnMut(Piece<D>)) {
+        self[place].arriving.iter().filter(|(of, _)| *of == material).for_each(|(_, piece)| visit(*piece));
+    }
+
+    fn leaving(&self, _: &[Vec<f64>], place: usize, material: usize, visit: &mut dyn FnMut(Piece<D>)) {
+        self[place].leaving.iter().filter(|(of, _)| *of == material).for_each(|(_, piece)| visit(*piece));
+    }
+}
+
+/// No component: all are cut.
+const NONE: usize = usize::MAX;
 
 /// What is kept from one region to the next, to save memory and time.
 pub(super) struct Scratch<R, const D: usize> {
@@ -66,14 +119,49 @@ struct Cut<'a, C: Cell<D>, const D: usize> {
     work: &'a mut Workspace<RegionOf<C, D>>,
     /// By component.
     amounts: &'a mut [f64],
+    /// Where pieces of carried materials are entered.
+    record: Option<(Donor<D>, &'a [bool], &'a mut Record<D>)>,
+}
+
+/// A cell that pieces come from, and its middle where moments about it are wanted.
+#[derive(Clone, Copy)]
+struct Donor<const D: usize> {
+    cell: usize,
+    middle: Option<Vector<D>>,
+}
+
+impl<const D: usize> Donor<D> {
+    fn piece(&self, volume: f64, first: &Vector<D>) -> Piece<D> {
+        let moment = self.middle.map_or_else(Vector::zeros, |middle| first - middle * volume);
+        Piece { donor: Some(self.cell), volume, moment }
+    }
 }
 
 impl<C: Cell<D>, const D: usize> Cut<'_, C, D> {
     /// Gives a component what a region has in common with the cell.
     fn give(&mut self, component: usize, density: f64, region: &RegionOf<C, D>) -> Result<(), Full> {
         let mut volume = 0.0;
-        self.tile.common(region, self.work, &mut |sign, part| volume += sign * part.volume())?;
+        let Some((donor, _, record)) =
+            self.record.as_mut().filter(|(_, carried, _)| component < carried.len() && carried[component])
+        else {
+            self.tile.common(region, self.work, &mut |sign, part| volume += sign * part.volume())?;
+            self.amounts[component] += density * volume;
+            return Ok(());
+        };
+        let mut first = Vector::zeros();
+        self.tile.common(region, self.work, &mut |sign, part| {
+            if donor.middle.is_some() {
+                let moments = part.moments();
+                volume += sign * moments.volume;
+                first += moments.first * sign;
+            } else {
+                volume += sign * part.volume();
+            }
+        })?;
         self.amounts[component] += density * volume;
+        if volume != 0.0 {
+            record.push((component, donor.piece(density * volume, &(first * density))));
+        }
         Ok(())
     }
 }
@@ -92,7 +180,39 @@ impl<C: Cell<D>, const D: usize> Source<'_, C, D> {
         Some(component)
     }
 
-    /// The volume of each material in `region`, whose points are relative to `origin` and whose volume is `whole`.
+    /// A cell and its middle, in coordinates relative to `origin`.
+    fn donor(&self, candidate: &Candidate<D>, origin: &Vector<D>) -> Donor<D> {
+        let middle = self.load.and_then(|load| load.carry.middle(candidate.cell));
+        let to_region = self.mesh.anchor(candidate.cell) + candidate.shift - origin;
+        Donor { cell: candidate.cell, middle: middle.map(|middle| middle + to_region) }
+    }
+
+    fn carries(&self, component: usize) -> bool {
+        self.load.is_some_and(|load| component < load.carried.len() && load.carried[component])
+    }
+
+    /// The one piece of a region in cells that hold nothing but this material, if it has the same values throughout.
+    fn one_piece(
+        &self,
+        region: &RegionOf<C, D>,
+        origin: &Vector<D>,
+        whole: f64,
+        material: usize,
+        candidates: &[Candidate<D>],
+    ) -> Option<Piece<D>> {
+        let load = self.load?;
+        let (first, others) = candidates.split_first()?;
+        let alike =
+            |other: &Candidate<D>| load.carry.alike(load.quantities, material, [first.cell, other.cell]);
+        if alike(first) && others.iter().all(alike) {
+            return Some(Piece { donor: Some(first.cell), volume: whole, moment: Vector::zeros() });
+        }
+        let moments = region.moments();
+        others.is_empty().then(|| self.donor(first, origin).piece(whole, &moments.first))
+    }
+
+    /// The volume of each material in `region`, whose points are relative to `origin` and whose volume is `whole`. Pieces of materials
+    /// with quantities are added to `record`.
     ///
     /// # Errors
     /// A region that is folded so often that there is no room for its parts.
@@ -103,6 +223,7 @@ impl<C: Cell<D>, const D: usize> Source<'_, C, D> {
         whole: f64,
         scratch: &mut Scratch<RegionOf<C, D>, D>,
         contents: &mut [f64],
+        record: &mut Record<D>,
     ) -> Result<Held, Full> {
         let void = self.fractions.len();
         let around = bounds(region.corners()).map(|corner| corner + origin);
@@ -125,31 +246,51 @@ impl<C: Cell<D>, const D: usize> Source<'_, C, D> {
         }
         contents.fill(0.0);
         if !mixed && pure.iter().filter(|&&count| count > 0).count() <= 1 {
-            if let Some(component) = pure.iter().position(|&count| count > 0)
-                && component < void
-            {
+            let component = pure.iter().position(|&count| count > 0).filter(|&component| component < void);
+            if let Some(component) = component {
                 contents[component] = whole;
             }
-            return Ok(Held::One);
+            let Some(material) = component.filter(|&component| self.carries(component)) else {
+                return Ok(Held::One);
+            };
+            let piece = match outside {
+                None => self.one_piece(region, origin, whole, material, &scratch.candidates),
+                Some(_) if scratch.candidates.is_empty() => Some(flowing_in(whole)),
+                Some(_) => None,
+            };
+            if let Some(piece) = piece {
+                record.push((material, piece));
+                return Ok(Held::One);
+            }
         }
-        // What lies outside is found as what does not lie inside.
-        let most = (0..=void).max_by_key(|&component| pure[component]);
-        let left_out = outside.or(most).unwrap_or(void);
+        // What lies outside is found as what does not lie inside; of what carries quantities each piece is wanted.
+        let most = || (0..=void).filter(|&k| !self.carries(k)).max_by_key(|&component| pure[component]);
+        let left_out = match outside {
+            Some(component) if self.carries(component) => NONE,
+            Some(component) => component,
+            None => most().unwrap_or(void),
+        };
         scratch.begin(void + 1);
-        if self.add(region, origin, left_out, scratch).is_err() {
+        let start = record.len();
+        if self.add(region, origin, left_out, scratch, record).is_err() {
             scratch.begin(void + 1);
+            record.truncate(start);
             let mut result = Ok(());
             region.simplices(&mut |simplex| {
                 if result.is_ok() {
-                    result = self.add(simplex, origin, left_out, scratch);
+                    result = self.add(simplex, origin, left_out, scratch, record);
                 }
             });
             result?;
         }
         let amounts = &scratch.amounts;
         contents.copy_from_slice(&amounts[..void]);
+        let rest = whole - amounts.iter().sum::<f64>();
         if left_out < void {
-            contents[left_out] = whole - amounts.iter().sum::<f64>();
+            contents[left_out] = rest;
+        } else if let (NONE, Some(material)) = (left_out, outside) {
+            contents[material] += rest;
+            record.push((material, flowing_in(rest)));
         }
         Ok(Held::Several)
     }
@@ -161,6 +302,7 @@ impl<C: Cell<D>, const D: usize> Source<'_, C, D> {
         origin: &Vector<D>,
         left_out: usize,
         scratch: &mut Scratch<RegionOf<C, D>, D>,
+        record: &mut Record<D>,
     ) -> Result<(), Full> {
         let Scratch { candidates, amounts, parts, work, .. } = scratch;
         for candidate in &*candidates {
@@ -170,7 +312,8 @@ impl<C: Cell<D>, const D: usize> Source<'_, C, D> {
             }
             let shift = candidate.shift - origin;
             let tile = C::Tile::new(&self.mesh.shifted_cell(candidate.cell, &shift));
-            let mut cut = Cut::<C, D> { tile, work, amounts };
+            let record = self.load.map(|load| (self.donor(candidate, origin), load.carried, &mut *record));
+            let mut cut = Cut::<C, D> { tile, work, amounts, record };
             match pure {
                 Some(component) => cut.give(component, 1.0, region)?,
                 None => self.add_mixed(candidate.cell, &shift, region, left_out, &mut cut, parts)?,
@@ -243,4 +386,9 @@ impl<C: Cell<D>, const D: usize> Source<'_, C, D> {
         }
         Ok(())
     }
+}
+
+/// A piece that comes from outside of the mesh.
+fn flowing_in<const D: usize>(volume: f64) -> Piece<D> {
+    Piece { donor: None, volume, moment: Vector::zeros() }
 }

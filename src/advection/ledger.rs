@@ -41,6 +41,17 @@ impl MaterialLedger {
     }
 }
 
+/// The account of a quantity of a material over a step; components are added up.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cli", derive(serde::Deserialize, serde::Serialize))]
+pub struct QuantityLedger {
+    /// What limiting values to the range of those they come from moved, and what corrected fractions took along or brought, added
+    /// up without sign.
+    pub limited: f64,
+    /// What left through open ends, less what came in.
+    pub outflow: f64,
+}
+
 /// The largest single correction, and where it was.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cli", derive(serde::Deserialize, serde::Serialize))]
@@ -66,6 +77,8 @@ impl LargestCorrection {
 pub struct Ledger {
     /// By material.
     pub materials: Vec<MaterialLedger>,
+    /// By quantity; empty where none are carried.
+    pub quantities: Vec<QuantityLedger>,
     /// The largest correction of a fraction.
     pub largest_correction: LargestCorrection,
     /// Reconstructions.
@@ -94,6 +107,11 @@ impl Ledger {
     pub fn add(&mut self, other: &Self) {
         for (a, b) in self.materials.iter_mut().zip(&other.materials) {
             a.add(b);
+        }
+        self.quantities.resize_with(self.quantities.len().max(other.quantities.len()), Default::default);
+        for (a, b) in self.quantities.iter_mut().zip(&other.quantities) {
+            a.limited += b.limited;
+            a.outflow += b.outflow;
         }
         self.largest_correction.note(other.largest_correction);
         self.counts.add(&other.counts);

@@ -8,6 +8,7 @@
 
 mod band;
 pub mod boundary;
+mod carry;
 mod content;
 pub mod ledger;
 mod nested;
@@ -25,8 +26,8 @@ pub mod transport;
 mod unsplit;
 
 pub use boundary::{Boundary, End, WallCrossed};
-pub use ledger::{Ledger, MaterialLedger};
-pub use remap::{RemapError, Remapped, remap};
+pub use ledger::{Ledger, MaterialLedger, QuantityLedger};
+pub use remap::{RemapError, remap};
 pub use remesh::Remesh;
 pub use schedule::SweepOrder;
 pub(crate) use schedule::sweep_order;

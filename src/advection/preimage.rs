@@ -41,8 +41,7 @@ impl<const D: usize> Traces<D> {
     pub(super) fn trace<C: Cell<D>>(
         &mut self,
         mesh: &Mesh<C, D>,
-        field: &Field,
-        duration: f64,
+        displacement: &(dyn Fn(usize) -> Vector<D> + Sync),
         cells: &[u32],
     ) {
         self.nodes.clear();
@@ -54,9 +53,7 @@ impl<const D: usize> Traces<D> {
             }
         }
         let nodes = self.nodes.items();
-        self.displacements = parallel::map(nodes.len(), |i| {
-            planar(&displacement(field, &spatial(&mesh.nodes()[nodes[i] as usize]), duration))
-        });
+        self.displacements = parallel::map(nodes.len(), |i| displacement(nodes[i] as usize));
     }
 
     /// The nodes of a traced cell relative to its first one, in node order: where they are, and where they come from.
@@ -74,17 +71,19 @@ impl<const D: usize> Traces<D> {
     }
 }
 
-fn corner_node<const D: usize>(grid: &Grid<D>, offset: [usize; D], corner: &[usize; D]) -> usize {
+/// The node at a corner of the cell at an offset.
+pub(super) fn corner_node<const D: usize>(grid: &Grid<D>, offset: [usize; D], corner: &[usize; D]) -> usize {
     grid.node_index(std::array::from_fn(|k| offset[k] + corner[k]))
 }
 
 /// How far a point has come while the steady field acted for `duration`: it came from its place minus this.
-fn displacement(field: &Field, x: &Vector<3>, duration: f64) -> Vector<3> {
+pub(super) fn displacement<const D: usize>(field: &Field, x: &Vector<D>, duration: f64) -> Vector<D> {
+    let x = &spatial(x);
     let k1 = field.velocity(x);
     let k2 = field.velocity(&(x - k1 * (0.5 * duration)));
     let k3 = field.velocity(&(x - k2 * (0.5 * duration)));
     let k4 = field.velocity(&(x - k3 * duration));
-    (k1 + (k2 + k3) * 2.0 + k4) * (duration / 6.0)
+    planar(&((k1 + (k2 + k3) * 2.0 + k4) * (duration / 6.0)))
 }
 
 /// A traced face, its nodes in outward order: where they are, and where they come from, with the added point.
@@ -102,8 +101,12 @@ impl<const D: usize> Default for TracedFace<D> {
 }
 
 impl<const D: usize> TracedFace<D> {
-    /// A face of a cell through which the volume `flux` leaves the cell.
-    pub(super) fn new<C: Cell<D>>([now, before]: &[[Vector<D>; 8]; 2], face: usize, flux: f64) -> Self {
+    /// A face of a cell through which the volume `flux` leaves the cell; without one, what the face sweeps does.
+    pub(super) fn new<C: Cell<D>>(
+        [now, before]: &[[Vector<D>; 8]; 2],
+        face: usize,
+        flux: Option<f64>,
+    ) -> Self {
         let index = C::FACE_NODES[face];
         let pick = |nodes: &[Vector<D>; 8]| {
             let mut picked = [Vector::zeros(); 4];
@@ -115,6 +118,7 @@ impl<const D: usize> TracedFace<D> {
         let (now, before) = (pick(now), pick(before));
         let (front, back) = (&now[..index.len()], &before[..index.len()]);
         let mean = back.iter().sum::<Vector<D>>() / index.len() as f64;
+        let Some(flux) = flux else { return Self { now, before, middle: mean } };
         let area = C::area_vector(back);
         let square = area.norm_squared();
         let extent = back.iter().map(|x| (x - back[0]).amax()).fold(0.0, f64::max);

@@ -7,28 +7,24 @@
 use vofkit_geometry::Cell;
 use vofkit_geometry::clip::{Full, Tile};
 
-use super::content::{Held, Scratch, Source};
+use super::carry::{Along, Carry, carried};
+use super::content::{Finding, Held, Load, Scratch, Source};
 use super::ledger::Ledger;
 use super::nested::Nested;
 use super::settle::settle;
-use crate::interface::{Reconstruction, ReconstructionError, check_fractions};
+use crate::interface::{Reconstruction, ReconstructionError};
 use crate::mesh::Mesh;
 use crate::mesh::locate::Locator;
 use crate::parallel;
-
-/// Fractions on another mesh, and what it took.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Remapped {
-    /// By material, then by cell of the new mesh.
-    pub fractions: Vec<Vec<f64>>,
-    /// What was done; `preimages_cut` counts the new cells that were cut.
-    pub ledger: Ledger,
-}
+use crate::quantity::{QuantityError, State};
 
 /// A remapping that cannot be done.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RemapError {
-    /// A fraction that is none, or a plane that was not found.
+    /// A fraction or a quantity that is none.
+    #[error(transparent)]
+    State(#[from] QuantityError),
+    /// A plane that was not found.
     #[error(transparent)]
     Reconstruction(#[from] ReconstructionError),
     /// A new cell whose faces are so twisted that there is no room for its parts.
@@ -39,8 +35,9 @@ pub enum RemapError {
     },
 }
 
-/// The fractions on the mesh `to` of materials that have `fractions[material][cell]` on the mesh `from` and stay where they are. The
-/// two meshes need not have the same number of cells. Beyond the ends of `from` there is void.
+/// The state on the mesh `to` of materials that have `state` on the mesh `from` and stay where they are, and an account in which
+/// `preimages_cut` counts the new cells that were cut. The two meshes need not have the same number of cells. Beyond the ends of `from`
+/// there is void.
 ///
 /// # Errors
 /// See [`RemapError`].
@@ -51,50 +48,71 @@ pub enum RemapError {
 /// let old = Mesh::<Quad, 2>::unit([16; 2], &Distortion::Random { amplitude: 0.3, seed: 1 })?;
 /// let new = Mesh::<Quad, 2>::unit([20; 2], &Distortion::Wave { amplitude: 0.5 })?;
 /// let fractions = volume_fractions(&old, &[Shape::Sphere { centre: [0.5; 2].into(), radius: 0.3 }]);
-/// let remapped = remap(&old, &new, &fractions, Reconstruction::default())?;
-/// let change = material_volume(&new, &remapped.fractions[0]) - material_volume(&old, &fractions[0]);
-/// assert!(change.abs() <= 1e-14);
+/// let density = MaterialQuantity::new(0, vec![vec![7.8; 256]]);
+/// let state = State { fractions, quantities: vec![density] };
+/// let (remapped, ledger) = remap(&old, &new, &state, Reconstruction::default())?;
+/// let change = material_volume(&new, &remapped.fractions[0]) - material_volume(&old, &state.fractions[0]);
+/// assert!(change.abs() <= 1e-14 && ledger.materials[0].clipped <= 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn remap<C: Cell<D>, const D: usize>(
     from: &Mesh<C, D>,
     to: &Mesh<C, D>,
-    fractions: &[Vec<f64>],
+    state: &State,
     reconstruction: Reconstruction,
-) -> Result<Remapped, RemapError> {
-    for fractions in fractions {
-        check_fractions(from.grid(), fractions)?;
+) -> Result<(State, Ledger), RemapError> {
+    state.check(from.grid(), None)?;
+    let State { fractions, quantities } = state;
+    let (materials, cells) = (fractions.len(), to.grid().len());
+    let mut quantities_after = quantities.clone();
+    for values in quantities_after.iter_mut().flat_map(|quantity| &mut quantity.values) {
+        values.clear();
+        values.resize(cells, 0.0);
     }
-    let materials = fractions.len();
-    let cells = to.grid().len();
-    let mut remapped =
-        Remapped { fractions: vec![vec![0.0; cells]; materials], ledger: Ledger::new(materials) };
+    let mut remapped = State { fractions: vec![vec![0.0; cells]; materials], quantities: quantities_after };
+    let mut ledger = Ledger::new(materials);
     if materials == 0 {
-        return Ok(remapped);
+        return Ok((remapped, ledger));
     }
-    let Remapped { fractions: found, ledger } = &mut remapped;
     let mut nested = Nested::new(from.grid().len());
     ledger.counts = nested.place(from, fractions, 0..from.grid().len(), reconstruction)?;
     let locator = Locator::new(from);
-    let source = Source { mesh: from, locator: &locator, fractions, nested: &nested, outside: None };
-    let mut held = vec![Ok(Held::One); cells];
+    let carried = carried(quantities, materials);
+    let mut carry = Carry::new();
+    let numbers = |count: usize| (0..count as u32).collect::<Vec<u32>>();
+    if !quantities.is_empty() {
+        carry.begin(quantities, fractions, from.volumes(), 0..from.grid().len());
+        carry.find_slopes(from, fractions, quantities, &numbers(from.grid().len()), Along::Space);
+    }
+    let load = Load { carry: &carry, quantities, carried: &carried };
+    let load = (!quantities.is_empty()).then_some(load);
+    let source = Source { mesh: from, locator: &locator, fractions, nested: &nested, outside: None, load };
+    let mut findings = vec![Finding::new(); cells];
     let mut volumes = vec![0.0; cells * materials];
     parallel::for_each_with_scratch(
-        &mut held,
+        &mut findings,
         &mut volumes,
         Scratch::new,
-        |scratch, index, held, volumes| {
+        |scratch, index, finding, volumes| {
             let region = C::Tile::region(&to.local_cell(index));
-            *held = source.contents(&region, &to.anchor(index), to.volumes()[index], scratch, volumes);
+            let (origin, whole) = (to.anchor(index), to.volumes()[index]);
+            finding.held = source.contents(&region, &origin, whole, scratch, volumes, &mut finding.arriving);
         },
     );
-    if let Some(index) = held.iter().position(|held| *held == Err(Full)) {
+    if let Some(index) = findings.iter().position(|finding| finding.held == Err(Full)) {
         return Err(RemapError::Twisted { cell: to.grid().offset(index).to_vec() });
     }
     ledger.cells_visited = cells;
-    ledger.preimages_cut = held.iter().filter(|held| **held == Ok(Held::Several)).count();
+    ledger.preimages_cut = findings.iter().filter(|finding| finding.held == Ok(Held::Several)).count();
     for (index, volumes) in volumes.chunks(materials).enumerate() {
-        settle(index, to.volumes()[index], volumes, found, ledger);
+        settle(index, to.volumes()[index], volumes, &mut remapped.fractions, &mut ledger);
     }
-    Ok(remapped)
+    if !quantities.is_empty() {
+        let cells = numbers(cells);
+        carry.resize(cells.len());
+        carry.pass(&cells, &findings[..], Some(quantities), &mut remapped.quantities, &mut ledger);
+        let State { fractions, quantities } = &mut remapped;
+        carry.finish(&cells, |index| to.volumes()[index], fractions, quantities, &mut ledger);
+    }
+    Ok((remapped, ledger))
 }

@@ -3,21 +3,25 @@
 //! What crosses a face is minus the volume that it sweeps, exactly, so that the tracked volume of a cell ends as that of the new
 //! cell. Along *logical* axes the sweeps are those of a flow through the old mesh: two opposite faces each, and slabs of
 //! the old cell. Along *Cartesian* axes (the paper's) the nodes move by one component after the other; each sweep starts from the mesh
-//! that the last one left, and its swept regions are exact.
+//! that the last one left, and its swept regions are exact. *Unsplit* and by *remapping*, new cells are cut by the old ones that
+//! they meet and by the planes in them.
 
 use vofkit_geometry::Cell;
 
 use super::band::Band;
 use super::boundary::Boundary;
+use super::carry::{Cargo, carried};
 use super::ledger::Ledger;
 use super::schedule::{Share, Turn, turns};
 use super::settings::{Scheme, Settings, SweepAxes};
 use super::stage::{Regions, Stage, outward_volumes};
 use super::sweeps::{Holding, Rules, Sweeps};
 use super::transport::{SetupError, StepError};
+use super::unsplit::{Step, Unsplit, radius, reach};
 use crate::interface::check_fractions;
 use crate::mesh::{Mesh, SweptVolumes};
 use crate::quanta::Quanta;
+use crate::quantity::{self, MaterialQuantity};
 use crate::tolerance::END_SLIDING;
 
 /// Moves the fractions of materials that rest from one place of a mesh to the next.
@@ -32,12 +36,10 @@ impl<const D: usize> Remesh<D> {
     /// Prepares the transport.
     ///
     /// # Errors
-    /// A scheme that needs a mesh which stays undistorted, or stands still.
+    /// A scheme that needs a mesh which stays undistorted.
     pub fn new(settings: Settings<D>) -> Result<Self, SetupError> {
-        match settings.scheme {
-            Scheme::Sweeps | Scheme::Isotropic => {}
-            Scheme::WeymouthYue => return Err(SetupError::Distorted { scheme: settings.scheme }),
-            Scheme::Unsplit => return Err(SetupError::Moving { scheme: settings.scheme }),
+        if settings.scheme == Scheme::WeymouthYue {
+            return Err(SetupError::Distorted { scheme: settings.scheme });
         }
         Ok(Self { settings, band: Band::new(), sweeps: Sweeps::default() })
     }
@@ -54,9 +56,76 @@ impl<const D: usize> Remesh<D> {
         fractions: &mut [Vec<f64>],
         step: usize,
     ) -> Result<Ledger, StepError> {
+        self.step_carrying(from, to, fractions, &mut [], step)
+    }
+
+    /// The same with quantities of the materials.
+    ///
+    /// # Errors
+    /// Those of [`Remesh::step`], and quantities that cannot be carried; they are then as before, too.
+    pub fn step_carrying<C: Cell<D>>(
+        &mut self,
+        from: &Mesh<C, D>,
+        to: &Mesh<C, D>,
+        fractions: &mut [Vec<f64>],
+        quantities: &mut [MaterialQuantity],
+        step: usize,
+    ) -> Result<Ledger, StepError> {
         for fractions in fractions.iter() {
             check_fractions(from.grid(), fractions)?;
         }
+        quantity::check(from.grid(), fractions, quantities, self.settings.inflow)?;
+        let cargo = Cargo { fractions, quantities };
+        match self.settings.scheme {
+            Scheme::Unsplit | Scheme::Remap => self.at_once(from, to, cargo),
+            _ => self.in_sweeps(from, to, cargo, step),
+        }
+    }
+
+    /// New cells cut by old ones.
+    fn at_once<C: Cell<D>>(
+        &mut self,
+        from: &Mesh<C, D>,
+        to: &Mesh<C, D>,
+        cargo: Cargo<'_>,
+    ) -> Result<Ledger, StepError> {
+        let boundary = self.boundary_of(from, &[SweptVolumes::new(from, to)?])?;
+        boundary.check_inflow(cargo.fractions.len())?;
+        let mut ledger = Ledger::new(cargo.fractions.len());
+        if cargo.fractions.is_empty() {
+            return Ok(ledger);
+        }
+        let displacement = |node: usize| from.nodes()[node] - to.nodes()[node];
+        match self.settings.scheme {
+            // However far the nodes moved.
+            Scheme::Remap => self.band.collect_all(from.grid()),
+            _ => {
+                let around = [radius(reach(from, displacement)); D];
+                let carried = carried(cargo.quantities, cargo.fractions.len());
+                self.band.collect(from.grid(), cargo.fractions, &carried, &boundary, around);
+            }
+        }
+        let step = Step {
+            mesh: from,
+            volumes: to.volumes(),
+            boundary: &boundary,
+            displacement: &displacement,
+            through: None,
+            band: &self.band,
+            reconstruction: self.settings.reconstruction,
+            overdraft: self.settings.overdraft,
+        };
+        Unsplit::new(from).advance(&step, cargo, &mut ledger)?;
+        Ok(ledger)
+    }
+
+    fn in_sweeps<C: Cell<D>>(
+        &mut self,
+        from: &Mesh<C, D>,
+        to: &Mesh<C, D>,
+        cargo: Cargo<'_>,
+        step: usize,
+    ) -> Result<Ledger, StepError> {
         let turns = turns::<D>(self.settings.order, step);
         let at_once = self.settings.scheme == Scheme::Isotropic;
         let in_legs = !at_once && self.settings.axes == SweepAxes::Cartesian;
@@ -67,7 +136,7 @@ impl<const D: usize> Remesh<D> {
             .map(|ends| SweptVolumes::new(ends[0], ends[1]))
             .collect::<Result<Vec<_>, _>>()?;
         let boundary = self.boundary_of(from, &legs)?;
-        boundary.check_inflow(fractions.len())?;
+        boundary.check_inflow(cargo.fractions.len())?;
         // What is a multiple of a coarser power of two is one of all finer ones.
         let quanta = legs.iter().map(SweptVolumes::quanta).reduce(Quanta::coarser).expect("there is a leg");
         let rules = Rules {
@@ -76,6 +145,7 @@ impl<const D: usize> Remesh<D> {
             quanta,
             reconstruction: self.settings.reconstruction,
             overdraft: self.settings.overdraft,
+            carried: &carried(cargo.quantities, cargo.fractions.len()),
             holding: if at_once { Holding::AtOnce } else { Holding::Tracked },
             components: legs.len(),
         };
@@ -89,7 +159,7 @@ impl<const D: usize> Remesh<D> {
         } else {
             turns.iter().map(|turn| Stage::along_mesh_lines(from, turn)).collect()
         };
-        self.sweeps.run(&rules, &stages, &mut self.band, from.volumes(), fractions, |offset, outward| {
+        self.sweeps.run(&rules, &stages, &mut self.band, from.volumes(), cargo, |offset, outward| {
             for (outward, leg) in outward.iter_mut().zip(&legs) {
                 let through = |face: usize| quanta.round(leg.through(offset, face / 2, face % 2));
                 *outward = outward_volumes::<C, D>(from.grid(), &boundary, offset, through);

@@ -21,6 +21,9 @@ pub enum Scheme {
     WeymouthYue,
     /// All directions at once: each cell gets what its pre-image holds, cut by every cell that it meets and by the planes in them.
     Unsplit,
+    /// The content of the cells of another mesh, however far its nodes moved: for meshes that move. There `Unsplit` does the same, but
+    /// for steps within a Courant number of 1.
+    Remap,
 }
 
 impl fmt::Display for Scheme {
@@ -37,6 +40,7 @@ impl Scheme {
             Self::Isotropic => "isotropic",
             Self::WeymouthYue => "weymouth_yue",
             Self::Unsplit => "unsplit",
+            Self::Remap => "remap",
         }
     }
 
@@ -44,6 +48,7 @@ impl Scheme {
     pub fn courant_limit(self, dimension: usize) -> f64 {
         match self {
             Self::Sweeps | Self::Isotropic | Self::Unsplit => 1.0,
+            Self::Remap => f64::INFINITY,
             // Half of a cell may leave through all faces.
             Self::WeymouthYue => 0.5_f64.powi(dimension as i32 - 1),
         }

@@ -4,14 +4,18 @@ use vofkit_geometry::Cell;
 
 use super::band::Band;
 use super::boundary::{Boundary, WallCrossed};
+use super::carry::{Cargo, carried};
 use super::ledger::Ledger;
+use super::preimage::displacement;
 use super::schedule::{Share, Turn, turns};
 use super::settings::{Scheme, Settings};
 use super::stage::{NodalMotion, Outward, Regions, Stage, components, outward_volumes};
 use super::sweeps::{Holding, Rules, Sweeps};
-use super::unsplit::{Step, Unsplit};
+use super::unsplit::{Step, Unsplit, radius, reach};
 use crate::interface::{ReconstructionError, check_fractions};
 use crate::mesh::{Mesh, MotionError};
+use crate::quantity::{self, MaterialQuantity, QuantityError};
+use crate::space::{planar, spatial};
 use crate::velocity::{FaceFluxes, FluxRange, Velocity};
 
 /// A transport that cannot be set up.
@@ -23,9 +27,9 @@ pub enum SetupError {
     /// A velocity out of range.
     #[error(transparent)]
     Fluxes(#[from] FluxRange),
-    /// A scheme that needs a mesh which stands still.
-    #[error("the scheme {scheme} needs a mesh that stands still")]
-    Moving {
+    /// A scheme for meshes that move.
+    #[error("the scheme {scheme} is for meshes that move under materials at rest")]
+    Still {
         /// The scheme.
         scheme: Scheme,
     },
@@ -79,6 +83,9 @@ pub enum StepError {
     /// A mesh that cannot be moved to.
     #[error(transparent)]
     Mesh(#[from] MotionError),
+    /// A quantity that cannot be carried.
+    #[error(transparent)]
+    Quantity(#[from] QuantityError),
 }
 
 /// Moves the fractions of materials through a mesh that stands still.
@@ -97,6 +104,8 @@ pub struct Transport<'a, C, const D: usize> {
     unsplit: Option<Unsplit<D>>,
     /// Whether nothing crosses any face at any time.
     rests: bool,
+    /// For the unsplit scheme: cells per time that the fastest node moves along an axis of a cell, at full amplitude.
+    reach: f64,
 }
 
 impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
@@ -122,9 +131,14 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
         if settings.scheme == Scheme::WeymouthYue && !mesh.is_undistorted() {
             return Err(SetupError::Distorted { scheme: settings.scheme });
         }
+        if settings.scheme == Scheme::Remap {
+            return Err(SetupError::Still { scheme: settings.scheme });
+        }
         let boundary = Boundary::resolve(mesh, &fluxes, settings.ends, settings.inflow)?;
         let rests = fluxes.courant_rate(mesh) == 0.0;
         let traced = settings.scheme == Scheme::Isotropic || settings.splits_displacement(mesh);
+        let is_unsplit = settings.scheme == Scheme::Unsplit;
+        let at_node = |node: usize| planar(&velocity.field.velocity(&spatial(&mesh.nodes()[node])));
         Ok(Self {
             mesh,
             velocity,
@@ -134,7 +148,8 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
             nodes: traced.then(|| NodalMotion::new(mesh, &velocity.field)),
             band: Band::new(),
             sweeps: Sweeps::default(),
-            unsplit: (settings.scheme == Scheme::Unsplit).then(|| Unsplit::new(mesh, &velocity.field)),
+            unsplit: is_unsplit.then(|| Unsplit::new(mesh)),
+            reach: if is_unsplit { reach(mesh, at_node) } else { 0.0 },
             rests,
         })
     }
@@ -171,6 +186,21 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
         start: f64,
         end: f64,
     ) -> Result<Ledger, StepError> {
+        self.step_carrying(fractions, &mut [], step, start, end)
+    }
+
+    /// The same with quantities of the materials.
+    ///
+    /// # Errors
+    /// Those of [`Transport::step`], and quantities that cannot be carried; they are then as before, too.
+    pub fn step_carrying(
+        &mut self,
+        fractions: &mut [Vec<f64>],
+        quantities: &mut [MaterialQuantity],
+        step: usize,
+        start: f64,
+        end: f64,
+    ) -> Result<Ledger, StepError> {
         self.boundary.check_inflow(fractions.len())?;
         let duration = self.velocity.duration(start, end);
         if duration == 0.0 || fractions.is_empty() {
@@ -179,24 +209,28 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
         for fractions in fractions.iter() {
             check_fractions(self.mesh.grid(), fractions)?;
         }
+        quantity::check(self.mesh.grid(), fractions, quantities, self.boundary.inflow)?;
         if self.rests {
             return Ok(Ledger::new(fractions.len()));
         }
+        let carried = carried(quantities, fractions.len());
         let fluxes = self.fluxes.step(duration);
         if let Some(unsplit) = &mut self.unsplit {
             let mut ledger = Ledger::new(fractions.len());
-            let reach = [unsplit.radius(duration); D];
-            self.band.collect(self.mesh.grid(), fractions, &self.boundary, reach);
+            let around = [radius(self.reach * duration); D];
+            self.band.collect(self.mesh.grid(), fractions, &carried, &self.boundary, around);
+            let field = &self.velocity.field;
             let step = Step {
                 mesh: self.mesh,
+                volumes: self.mesh.volumes(),
                 boundary: &self.boundary,
-                fluxes,
-                field: &self.velocity.field,
+                displacement: &|node| displacement(field, &self.mesh.nodes()[node], duration),
+                through: Some(&|offset, axis, side| fluxes.through(offset, axis, side)),
                 band: &self.band,
                 reconstruction: self.settings.reconstruction,
                 overdraft: self.settings.overdraft,
             };
-            unsplit.advance(&step, fractions, &mut ledger)?;
+            unsplit.advance(&step, Cargo { fractions, quantities }, &mut ledger)?;
             return Ok(ledger);
         }
         let turns = turns::<D>(self.settings.order, step);
@@ -208,8 +242,9 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
             quanta: fluxes.quanta(),
             reconstruction: self.settings.reconstruction,
             overdraft: self.settings.overdraft,
+            carried: &carried,
             holding: match self.settings.scheme {
-                Scheme::Sweeps | Scheme::Unsplit => Holding::Tracked,
+                Scheme::Sweeps | Scheme::Unsplit | Scheme::Remap => Holding::Tracked,
                 Scheme::Isotropic => Holding::AtOnce,
                 Scheme::WeymouthYue => Holding::Fixed,
             },
@@ -235,7 +270,8 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
                 outward[0] = outward_volumes::<C, D>(grid, &self.boundary, offset, |face| through[face]);
             }
         };
-        self.sweeps.run(&rules, &stages, &mut self.band, self.mesh.volumes(), fractions, outward)
+        let cargo = Cargo { fractions, quantities };
+        self.sweeps.run(&rules, &stages, &mut self.band, self.mesh.volumes(), cargo, outward)
     }
 }
 

@@ -7,53 +7,52 @@
 //! need no correction. Pre-images fill the mesh, folded or not, so the volume of a material changes by rounding alone.
 //!
 //! What crosses open ends is counted by the swept regions of the faces there.
+//!
+//! Where materials rest while the mesh moves, the pre-image of a cell is the cell at its new place.
 
 use vofkit_geometry::clip::{Full, Region};
 use vofkit_geometry::{Cell, Vector};
 
 use super::band::Band;
 use super::boundary::{Boundary, End};
-use super::content::{Held, Scratch, Source};
+use super::carry::{Along, Cargo, Carry, carried};
+use super::content::{Finding, Held, Load, Scratch, Source};
 use super::ledger::Ledger;
 use super::nested::Nested;
-use super::preimage::{TracedFace, Traces, preimage};
+use super::preimage::{TracedFace, Traces, corner_node, preimage};
 use super::settle::settle;
 use super::transport::StepError;
 use crate::interface::{Reconstruction, RegionOf};
 use crate::mesh::Mesh;
 use crate::mesh::locate::Locator;
 use crate::parallel;
-use crate::space::{planar, spatial};
 use crate::tolerance::{FRACTION_EXCESS, LARGEST_RADIUS};
-use crate::velocity::{Field, StepFluxes};
-
-/// How the pre-image of one cell of the band was dealt with.
-#[derive(Clone, Copy, Debug, Default)]
-struct Finding {
-    is_cut: bool,
-    is_folded: bool,
-    is_full: bool,
-}
 
 /// What stays from step to step.
 #[derive(Clone, Debug)]
 pub(super) struct Unsplit<const D: usize> {
-    /// Cells per time that the fastest node moves along an axis of a cell, at full amplitude.
-    reach: f64,
     locator: Locator<D>,
     nested: Nested<D>,
     traces: Traces<D>,
-    findings: Vec<Finding>,
+    findings: Vec<Finding<D>>,
     /// By place in the band: the volumes of the materials, then what of them left through open ends, then space for a face.
     volumes: Vec<f64>,
+    carry: Carry<D>,
 }
+
+/// The volume that crosses face `2 axis + side` of the cell at an offset towards higher indices, by offset, axis and side.
+pub(super) type Through<'a, const D: usize> = &'a (dyn Fn([usize; D], usize, usize) -> f64 + Sync);
 
 /// One step.
 pub(super) struct Step<'a, C, const D: usize> {
     pub(super) mesh: &'a Mesh<C, D>,
+    /// The volumes of the cells after it.
+    pub(super) volumes: &'a [f64],
     pub(super) boundary: &'a Boundary<D>,
-    pub(super) fluxes: StepFluxes<'a, D>,
-    pub(super) field: &'a Field,
+    /// How far what is at a node has come: it came from the node's place minus this.
+    pub(super) displacement: &'a (dyn Fn(usize) -> Vector<D> + Sync),
+    /// What crosses the faces; none where it is what they sweep.
+    pub(super) through: Option<Through<'a, D>>,
     pub(super) band: &'a Band<D>,
     pub(super) reconstruction: Reconstruction,
     /// Whether contents may be out of bounds where pre-images fold; they are then corrected.
@@ -70,13 +69,14 @@ impl<C: Cell<D>, const D: usize> Step<'_, C, D> {
         at_end.then(|| self.boundary.ends[axis][side])
     }
 
-    /// The volume that leaves a cell through a face.
-    fn outward(&self, offset: [usize; D], face: usize) -> f64 {
+    /// The volume that leaves a cell through a face; none where it is what the face sweeps.
+    fn outward(&self, offset: [usize; D], face: usize) -> Option<f64> {
+        let through = self.through?;
         if self.end(offset, face) == Some(End::Wall) {
-            return 0.0;
+            return Some(0.0);
         }
-        let flux = self.fluxes.through(offset, face / 2, face % 2);
-        if face % 2 == 1 { flux } else { -flux }
+        let flux = through(offset, face / 2, face % 2);
+        Some(if face % 2 == 1 { flux } else { -flux })
     }
 
     /// Finds what a cell holds after the step, and what of it crosses open ends.
@@ -86,8 +86,9 @@ impl<C: Cell<D>, const D: usize> Step<'_, C, D> {
         traces: &Traces<D>,
         source: &Source<'_, C, D>,
         scratch: &mut Scratch<RegionOf<C, D>, D>,
+        finding: &mut Finding<D>,
         volumes: &mut [f64],
-    ) -> Result<Finding, Full> {
+    ) -> Result<(), Full> {
         let materials = source.fractions.len();
         let (contents, rest) = volumes.split_at_mut(materials);
         let (outflow, crossing) = rest.split_at_mut(materials);
@@ -99,21 +100,23 @@ impl<C: Cell<D>, const D: usize> Step<'_, C, D> {
             false => TracedFace::default(),
         });
         let region = preimage::<C, D>(&nodes, &faces[..C::FACES]);
-        let volume = self.mesh.volumes()[cell];
-        let held = source.contents(&region, &origin, volume, scratch, contents)?;
+        let volume = self.volumes[cell];
+        let held = source.contents(&region, &origin, volume, scratch, contents, &mut finding.arriving)?;
         for (face, traced) in faces[..C::FACES].iter().enumerate() {
             if self.end(offset, face) == Some(End::Outflow) {
-                let flux = self.outward(offset, face);
-                source.contents(&traced.swept::<C>(), &origin, flux, scratch, crossing)?;
+                let swept = traced.swept::<C>();
+                let flux = self.outward(offset, face).unwrap_or_else(|| swept.volume());
+                source.contents(&swept, &origin, flux, scratch, crossing, &mut finding.leaving)?;
                 // Relative to what flows in: ends at which nothing else crosses need not be looked at.
                 for (k, (sum, part)) in outflow.iter_mut().zip(&*crossing).enumerate() {
                     *sum += part - self.boundary.inflow_fraction(k) * flux;
                 }
             }
         }
-        let is_cut = held == Held::Several;
         let centre = nodes[1][..C::OFFSETS.len()].iter().sum::<Vector<D>>() / C::OFFSETS.len() as f64;
-        Ok(Finding { is_cut, is_folded: is_cut && !region.is_seen_from(&centre), is_full: false })
+        finding.held = Ok(held);
+        finding.is_folded = held == Held::Several && !region.is_seen_from(&centre);
+        Ok(())
     }
 }
 
@@ -121,93 +124,108 @@ impl<C: Cell<D>, const D: usize> Step<'_, C, D> {
 const KEPT: usize = 3;
 
 impl<const D: usize> Unsplit<D> {
-    pub(super) fn new<C: Cell<D>>(mesh: &Mesh<C, D>, field: &Field) -> Self {
+    pub(super) fn new<C: Cell<D>>(mesh: &Mesh<C, D>) -> Self {
         Self {
-            reach: reach(mesh, field),
             locator: Locator::new(mesh),
             nested: Nested::new(mesh.grid().len()),
             traces: Traces::new(mesh.grid().node_count()),
             findings: Vec::new(),
             volumes: Vec::new(),
+            carry: Carry::new(),
         }
     }
 
-    /// How many cells away from one that is not settled contents can change.
-    pub(super) fn radius(&self, duration: f64) -> usize {
-        let cells = (self.reach * duration.abs()).ceil();
-        // Not a number where a cell's mean edges fall together: then anywhere.
-        if cells <= LARGEST_RADIUS { (cells as usize).max(1) } else { LARGEST_RADIUS as usize }
-    }
-
-    /// Does one step. The fractions change only if it can be done.
+    /// Does one step. Fractions and quantities change only if it can be done.
     pub(super) fn advance<C: Cell<D>>(
         &mut self,
         step: &Step<'_, C, D>,
-        fractions: &mut [Vec<f64>],
+        cargo: Cargo<'_>,
         ledger: &mut Ledger,
     ) -> Result<(), StepError> {
-        let Self { locator, nested, traces, findings, volumes, .. } = self;
+        let Cargo { fractions, quantities } = cargo;
+        let Self { locator, nested, traces, findings, volumes, carry } = self;
+        let materials = fractions.len();
         let cells = &step.band.cells()[..];
-        let band = cells.iter().map(|&cell| cell as usize);
-        ledger.counts.add(&nested.place(step.mesh, fractions, band, step.reconstruction)?);
-        traces.trace(step.mesh, step.field, step.fluxes.duration(), cells);
-        let source = Source { mesh: step.mesh, locator, fractions, nested, outside: step.boundary.inflow };
-        findings.clear();
-        findings.resize(cells.len(), Finding::default());
+        let band = || cells.iter().map(|&cell| cell as usize);
+        ledger.counts.add(&nested.place(step.mesh, fractions, band(), step.reconstruction)?);
+        traces.trace(step.mesh, step.displacement, cells);
+        let carried = carried(quantities, materials);
+        if !quantities.is_empty() {
+            carry.begin(quantities, fractions, step.mesh.volumes(), band());
+            carry.find_slopes(step.mesh, fractions, quantities, cells, Along::Space);
+        }
+        let load = Load { carry, quantities, carried: &carried };
+        let load = (!quantities.is_empty()).then_some(load);
+        let source =
+            Source { mesh: step.mesh, locator, fractions, nested, outside: step.boundary.inflow, load };
+        findings.resize_with(cells.len(), Finding::new);
         volumes.clear();
-        volumes.resize(cells.len() * KEPT * fractions.len(), 0.0);
+        volumes.resize(cells.len() * KEPT * materials, 0.0);
         parallel::for_each_with_scratch(
             findings,
             volumes,
             Scratch::new,
             |scratch, slot, finding, volumes| {
-                let found = step.find(cells[slot] as usize, traces, &source, scratch, volumes);
-                *finding = found.unwrap_or(Finding { is_full: true, ..Finding::default() });
+                finding.reset();
+                if step.find(cells[slot] as usize, traces, &source, scratch, finding, volumes).is_err() {
+                    finding.held = Err(Full);
+                }
             },
         );
         let offset = |slot: usize| step.mesh.grid().offset(cells[slot] as usize).to_vec();
-        if let Some(slot) = findings.iter().position(|finding| finding.is_full) {
+        if let Some(slot) = findings.iter().position(|finding| finding.held.is_err()) {
             return Err(StepError::Folded { cell: offset(slot), fraction: f64::NAN });
         }
         if !step.overdraft {
-            let kept = volumes.chunks(KEPT * fractions.len());
-            for (slot, (volumes, &cell)) in kept.zip(cells).enumerate() {
+            let kept = volumes.chunks(KEPT * materials);
+            for (slot, (volumes, cell)) in kept.zip(band()).enumerate() {
                 let within = -FRACTION_EXCESS..=1.0 + FRACTION_EXCESS;
-                let volume = step.mesh.volumes()[cell as usize];
-                let fraction = |k: usize| volumes[k] / volume;
-                if let Some(k) = (0..fractions.len()).find(|&k| !within.contains(&fraction(k))) {
+                let fraction = |k: usize| volumes[k] / step.volumes[cell];
+                if let Some(k) = (0..materials).find(|&k| !within.contains(&fraction(k))) {
                     return Err(StepError::Folded { cell: offset(slot), fraction: fraction(k) });
                 }
             }
         }
         ledger.sweeps += 1;
         ledger.cells_visited += cells.len();
-        ledger.preimages_cut += findings.iter().filter(|finding| finding.is_cut).count();
+        ledger.preimages_cut += findings.iter().filter(|finding| finding.held == Ok(Held::Several)).count();
         ledger.preimages_folded += findings.iter().filter(|finding| finding.is_folded).count();
-        let materials = fractions.len();
-        for (&cell, volumes) in cells.iter().zip(volumes.chunks(KEPT * materials)) {
-            let cell = cell as usize;
-            settle(cell, step.mesh.volumes()[cell], &volumes[..materials], fractions, ledger);
+        for (cell, volumes) in band().zip(volumes.chunks(KEPT * materials)) {
+            settle(cell, step.volumes[cell], &volumes[..materials], fractions, ledger);
             for (account, outflow) in ledger.materials.iter_mut().zip(&volumes[materials..]) {
                 account.outflow += outflow;
             }
+        }
+        if !quantities.is_empty() {
+            carry.pass(cells, &findings[..], None, quantities, ledger);
+            carry.finish(cells, |slot| step.volumes[cells[slot] as usize], fractions, quantities, ledger);
         }
         Ok(())
     }
 }
 
-/// The largest component of the velocity in the logical coordinates of a cell, at a node of it.
-fn reach<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, field: &Field) -> f64 {
+/// How many cells away from one that is not settled contents can change where nodes have come at most `reach` cells.
+pub(super) fn radius(reach: f64) -> usize {
+    let cells = reach.abs().ceil();
+    // Not a number where a cell's mean edges fall together: then anywhere.
+    if cells <= LARGEST_RADIUS { (cells as usize).max(1) } else { LARGEST_RADIUS as usize }
+}
+
+/// The largest component of a vector at the nodes in the logical coordinates of a cell that has the node.
+pub(super) fn reach<C: Cell<D>, const D: usize>(
+    mesh: &Mesh<C, D>,
+    at_node: impl Fn(usize) -> Vector<D> + Sync + Send,
+) -> f64 {
     let of_cell = |index: usize| {
-        let cell = mesh.local_cell(index);
+        let (cell, offset) = (mesh.local_cell(index), mesh.grid().offset(index));
         let along =
             |axis: usize| cell.physical_gradient(&Vector::from_fn(|k, _| if k == axis { 1.0 } else { 0.0 }));
         let axes: [Vector<D>; D] = std::array::from_fn(along);
-        let at_node = |x: &Vector<D>| {
-            let velocity = planar::<D>(&field.velocity(&spatial(&(x + mesh.anchor(index)))));
-            axes.iter().map(|axis| axis.dot(&velocity).abs()).fold(0.0, f64::max)
+        let of_corner = |corner: &[usize; D]| {
+            let vector = at_node(corner_node(mesh.grid(), offset, corner));
+            axes.iter().map(|axis| axis.dot(&vector).abs()).fold(0.0, f64::max)
         };
-        cell.nodes().iter().map(at_node).fold(0.0, f64::max)
+        C::OFFSETS.iter().map(of_corner).fold(0.0, f64::max)
     };
     parallel::map(mesh.grid().len(), of_cell).into_iter().fold(0.0, f64::max)
 }

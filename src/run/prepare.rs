@@ -257,7 +257,7 @@ fn setup_error<const D: usize>(scene: &Resolved<D>, error: &SetupError) -> Scene
             ),
         ),
         SetupError::Fluxes(_) => (Part::Field, "choose other units of length or time".to_owned()),
-        SetupError::Moving { .. } => (Part::Scheme, "use the scheme sweeps in the mode remesh".to_owned()),
+        SetupError::Still { .. } => (Part::Scheme, "use the scheme unsplit in the mode flow".to_owned()),
         SetupError::Distorted { .. } => {
             (Part::Scheme, "use the scheme sweeps, or leave out mesh.distortion".to_owned())
         }

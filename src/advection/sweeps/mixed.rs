@@ -14,11 +14,11 @@ pub(super) struct Mixed<const D: usize> {
     /// Their slots, ascending.
     slots: Vec<u32>,
     /// The number of a mixed cell by its slot; for others any.
-    pub(super) number: Vec<u32>,
+    number: Vec<u32>,
     /// Their planes, by material, where one is needed.
     planes: Vec<Option<Placed<D>>>,
     /// What they give, by face and material.
-    pub(super) given: Vec<f64>,
+    given: Vec<f64>,
     /// By block of mixed cells.
     gifts: Vec<Gifts>,
 }
@@ -42,6 +42,17 @@ impl<const D: usize> Mixed<D> {
             given: Vec::new(),
             gifts: Vec::new(),
         }
+    }
+
+    /// Makes room for a band of this many cells.
+    pub(super) fn resize(&mut self, slots: usize) {
+        self.number.resize(slots, 0);
+    }
+
+    /// What a mixed cell gives of a material, of so many, through a face.
+    #[inline]
+    pub(super) fn given(&self, slot: usize, face: usize, [material, materials]: [usize; 2]) -> f64 {
+        self.given[(self.number[slot] as usize * 2 * D + face) * materials + material]
     }
 
     /// Finds the mixed cells of the band, and their planes.

@@ -19,15 +19,18 @@
 
 mod account;
 mod mixed;
+mod pieces;
 mod sweep;
 
 use vofkit_geometry::Cell;
 
 use self::account::Account;
 use self::mixed::Mixed;
+use self::pieces::Crossing;
 use self::sweep::Sweep;
-use super::band::Band;
+use super::band::{Band, Place};
 use super::boundary::Boundary;
+use super::carry::{Along, Cargo, Carry};
 use super::ledger::{Ledger, MaterialLedger};
 use super::stage::{Outward, Stage};
 use super::transport::StepError;
@@ -45,6 +48,8 @@ pub(super) struct Rules<'a, const D: usize> {
     pub(super) reconstruction: Reconstruction,
     /// Whether cells may give away more than they hold.
     pub(super) overdraft: bool,
+    /// Whether there are quantities of each material.
+    pub(super) carried: &'a [bool],
     pub(super) holding: Holding,
     /// How many volumes a cell has: one for each component.
     pub(super) components: usize,
@@ -93,6 +98,7 @@ pub(super) struct Sweeps<const D: usize> {
     /// By block of the band.
     accounts: Vec<Account>,
     mixed: Mixed<D>,
+    carry: Carry<D>,
 }
 
 impl<const D: usize> Default for Sweeps<D> {
@@ -103,30 +109,46 @@ impl<const D: usize> Default for Sweeps<D> {
             contents: Vec::new(),
             accounts: Vec::new(),
             mixed: Mixed::new(),
+            carry: Carry::new(),
         }
     }
 }
 
 impl<const D: usize> Sweeps<D> {
     /// Does the sweeps of a step. `volumes` are those of the cells at its start; `outward` says what leaves the cell at an
-    /// offset, by component. The fractions stay as they are if a sweep cannot be done.
+    /// offset, by component. Fractions and quantities stay as they are if a sweep cannot be done.
     pub(super) fn run<C: Cell<D>>(
         &mut self,
         rules: &Rules<'_, D>,
         stages: &[Stage<'_, C, D>],
         band: &mut Band<D>,
         volumes: &[f64],
-        fractions: &mut [Vec<f64>],
+        mut cargo: Cargo<'_>,
         outward: impl Fn([usize; D], &mut [Outward]) + Sync + Send,
     ) -> Result<Ledger, StepError> {
-        let mut ledger = Ledger::new(fractions.len());
-        band.collect(rules.grid, fractions, rules.boundary, reach(stages));
-        self.begin(rules, band, volumes, fractions, outward);
+        let mut ledger = Ledger::new(cargo.fractions.len());
+        band.collect(rules.grid, cargo.fractions, rules.carried, rules.boundary, reach(stages));
+        self.begin(rules, band, volumes, cargo.fractions, outward);
+        let carries = !cargo.quantities.is_empty();
+        if carries {
+            let cells = band.places().iter().map(Place::cell);
+            self.carry.begin(cargo.quantities, cargo.fractions, volumes, cells);
+        }
         for stage in stages {
-            if let Err(error) = self.advance(rules, stage, band, fractions, &mut ledger) {
-                self.restore(band, fractions);
+            if let Err(error) = self.advance(rules, stage, band, &mut cargo, &mut ledger) {
+                self.restore(band, cargo.fractions);
+                if carries {
+                    self.carry.restore(cargo.quantities);
+                }
                 return Err(error);
             }
+        }
+        if carries {
+            let volume = |slot: usize| {
+                let member = &self.members[slot];
+                member.start + if rules.holding == Holding::Fixed { 0.0 } else { member.volume_change }
+            };
+            self.carry.finish(&band.cells(), volume, cargo.fractions, cargo.quantities, &mut ledger);
         }
         Ok(ledger)
     }
@@ -145,7 +167,7 @@ impl<const D: usize> Sweeps<D> {
         self.members.clear();
         self.members.resize(places.len(), Member::default());
         self.outward.resize(places.len() * rules.components, [0.0; 6]);
-        self.mixed.number.resize(places.len(), 0);
+        self.mixed.resize(places.len());
         self.contents.resize(places.len() * fractions.len(), Content::default());
         let Self { members, outward: all, contents, .. } = self;
         parallel::for_each_with_chunk(members, all, |slot, member, all| {
@@ -179,11 +201,12 @@ impl<const D: usize> Sweeps<D> {
         rules: &Rules<'_, D>,
         stage: &Stage<'_, C, D>,
         band: &Band<D>,
-        fractions: &mut [Vec<f64>],
+        cargo: &mut Cargo<'_>,
         ledger: &mut Ledger,
     ) -> Result<(), StepError> {
+        let Cargo { fractions, quantities } = cargo;
         let materials = fractions.len();
-        let Self { members, outward, contents, accounts, mixed } = self;
+        let Self { members, outward, contents, accounts, mixed, carry } = self;
         let sweep = Sweep { rules, stage, band, outward, fractions };
         mixed.collect(&sweep, contents, ledger)?;
         mixed.give(&sweep, members, ledger)?;
@@ -199,6 +222,11 @@ impl<const D: usize> Sweeps<D> {
         });
         if let Some(error) = accounts.iter_mut().find_map(|account| account.error.take()) {
             return Err(error);
+        }
+        if !quantities.is_empty() {
+            let cells = band.cells();
+            carry.find_slopes(stage.mesh, sweep.fractions, quantities, &cells, Along::Lines);
+            carry.pass(&cells, &Crossing { sweep: &sweep, mixed }, None, quantities, ledger);
         }
         let changed = band.places().iter().zip(members.iter()).zip(contents.chunks_exact(materials));
         for ((place, _), contents) in changed.filter(|((_, member), _)| member.active) {

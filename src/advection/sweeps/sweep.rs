@@ -37,7 +37,7 @@ impl<C: Cell<D>, const D: usize> Sweep<'_, C, D> {
 
     /// The cell across a face, by the offset of this one.
     #[inline]
-    fn across(&self, slot: usize, face: usize) -> Option<usize> {
+    pub(super) fn across(&self, slot: usize, face: usize) -> Option<usize> {
         let place = &self.band.places()[slot];
         let (axis, side) = (face / 2, face % 2);
         let (at, last) = (place.offset[axis] as usize, self.rules.grid.cells()[axis] - 1);
@@ -48,6 +48,20 @@ impl<C: Cell<D>, const D: usize> Sweep<'_, C, D> {
             (0, _) => Some(cell - stride),
             (_, at) if at == last => self.rules.grid.periodic()[axis].then(|| cell - last * stride),
             _ => Some(cell + stride),
+        }
+    }
+
+    /// The volume of a material that leaves a cell through a face.
+    #[inline]
+    pub(super) fn leaves(&self, mixed: &Mixed<D>, slot: usize, face: usize, material: usize) -> f64 {
+        let flux = self.flux(slot, face);
+        let cell = self.band.places()[slot].cell();
+        if flux <= 0.0 {
+            0.0
+        } else if self.is_mixed(cell) {
+            mixed.given(slot, face, [material, self.fractions.len()])
+        } else {
+            self.fractions[material][cell] * flux
         }
     }
 
@@ -187,7 +201,10 @@ impl<C: Cell<D>, const D: usize> Sweep<'_, C, D> {
     ) -> Result<(), StepError> {
         let index = self.band.places()[slot].cell();
         // What is left of a cell that changed before is kept in account, too.
-        let changed = contents.iter().any(|content| content.fraction != content.initial);
+        // So are quantities, which no cell may give away more of than it holds.
+        let changed = contents.iter().zip(self.rules.carried).any(|(content, carried)| {
+            content.fraction != content.initial || *carried && content.fraction > 0.0
+        });
         member.active = changed || self.is_active(slot, index);
         if member.active {
             account.crossed += self.check(slot, member)?;
@@ -200,9 +217,7 @@ impl<C: Cell<D>, const D: usize> Sweep<'_, C, D> {
             return Ok(());
         }
         let materials = contents.len();
-        let given = |slot: usize, face: usize, k: usize| {
-            mixed.given[(mixed.number[slot] as usize * C::FACES + face) * materials + k]
-        };
+        let given = |slot: usize, face: usize, k: usize| mixed.given(slot, face, [k, materials]);
         let is_mixed = self.is_mixed(index);
         let inflow = |k: usize| self.rules.boundary.inflow_fraction(k);
         for face in self.stage.faces.clone() {
