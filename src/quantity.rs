@@ -228,12 +228,17 @@ pub fn totals<C: Cell<D>, const D: usize>(
 
 /// The effective values of one component of a quantity that several materials have, `sum over materials of phi f` (Eq. 12 of the
 /// paper), by cell. `parts` are the places of the quantity of each material.
-pub fn effective(state: &State, parts: &[usize], component: usize) -> Vec<f64> {
-    let cells = state.fractions.first().map_or(0, Vec::len);
+pub fn effective(
+    fractions: &[Vec<f64>],
+    quantities: &[MaterialQuantity],
+    parts: &[usize],
+    component: usize,
+) -> Vec<f64> {
+    let cells = fractions.first().map_or(0, Vec::len);
     parallel::map(cells, |cell| {
         let of_part = |&part: &usize| {
-            let quantity = &state.quantities[part];
-            let f = state.fractions[quantity.material][cell];
+            let quantity = &quantities[part];
+            let f = fractions[quantity.material][cell];
             if f > 0.0 { quantity.values[component][cell] * f } else { 0.0 }
         };
         parts.iter().map(of_part).sum()

@@ -115,16 +115,20 @@ fn wrong_motions_are_answered_with_the_line_and_advice() {
         place.file("short.csv", "x,y\n0,0\n");
         place.file("odd.csv", "x,y\n0.0,0.0\n0.5,half\n");
         place.file("head.csv", "y,x\n0,0\n");
-        let text = text(mesh, advection, more);
-        place.file("wrong.toml", &text);
-        let line = text.lines().position(|line| line.starts_with(pointed)).unwrap() + 1;
-        for command in ["check", "run"] {
-            let done = place.vofkit(&[command, "wrong.toml"]);
-            assert_eq!(done.code, Some(1), "{mesh}: {}", done.err);
-            let position = format!("wrong.toml:{line}:");
-            for words in answer.iter().copied().chain([position.as_str()]) {
-                assert!(done.err.contains(words), "{mesh} {advection}: no {words:?} in\n{}", done.err);
-            }
+        assert_refused(&place, &text(mesh, advection, more), pointed, answer);
+    }
+}
+
+/// Both commands answer with the place of the line that starts with `pointed`, and in these words.
+fn assert_refused(place: &Place, text: &str, pointed: &str, answer: &[&str]) {
+    place.file("wrong.toml", text);
+    let line = text.lines().position(|line| line.starts_with(pointed)).unwrap() + 1;
+    for command in ["check", "run"] {
+        let done = place.vofkit(&[command, "wrong.toml"]);
+        assert_eq!(done.code, Some(1), "{text}: {}", done.err);
+        let position = format!("wrong.toml:{line}:");
+        for words in answer.iter().copied().chain([position.as_str()]) {
+            assert!(done.err.contains(words), "{text}: no {words:?} in\n{}", done.err);
         }
     }
 }
@@ -156,4 +160,91 @@ fn nodes_go_to_the_places_of_a_table() {
     let moved = (1.0_f64 / 6.0 + 0.04).to_le_bytes();
     let holds = |file: &[u8]| file.windows(8).any(|bytes| bytes == moved);
     assert!(!holds(&first) && holds(&last));
+}
+
+#[test]
+fn quantities_travel_with_their_materials() {
+    let place = Place::new();
+    let cell_arrays = |folder: &str| {
+        let file = fs::read(place.path(folder).join("fields_0001.vts")).unwrap();
+        String::from_utf8_lossy(&file).into_owned()
+    };
+    for (scene, arrays, settings) in [
+        (
+            "carried_quantities",
+            &["\"density.left\"", "\"density\"", "\"stress.left\"", "\"density.right\""][..],
+            &["advection.end_time=0.2"][..],
+        ),
+        ("remesh_remap", &["\"density.disc\""], &["advection.end_time=1.0"]),
+        ("remesh_remap", &["\"density.disc\""], &["advection.scheme=sweeps", "advection.steps=60"]),
+    ] {
+        let folder = settings.concat().replace('.', "_");
+        let summary = place.run(scene, &folder, settings);
+        let quantities = summary["quantities"].as_array().unwrap();
+        assert!(!quantities.is_empty());
+        for quantity in quantities {
+            assert!(number(&quantity["conserved"]).abs() <= 1e-13, "{quantity}");
+            assert!(number(&quantity["corrected"]) <= 1e-13, "{quantity}");
+            let [low, high] = ["minimum", "maximum"].map(|key| number(&quantity[key]));
+            let range = match (quantity["name"].as_str().unwrap(), quantity["material"].as_str().unwrap()) {
+                ("density", "right") => [7.8 - 1e-11, 7.8 + 1e-11],
+                ("velocity", _) => [-2.0 - 1e-11, 1.0 + 1e-11],
+                ("stress", _) => [-0.5, 2.0],
+                _ => [1.5, 2.5],
+            };
+            assert!(low >= range[0] && high <= range[1], "{quantity}");
+        }
+        let written = cell_arrays(&folder);
+        for array in arrays {
+            assert!(written.contains(&format!("Name={array}")), "{scene}: no {array}");
+        }
+    }
+}
+
+#[test]
+fn wisps_are_kept_unless_they_are_to_be_removed() {
+    let place = Place::new();
+    let drawn_out = ["mesh.cells=[16,16]", "advection.end_time=4", "output.picture=false"];
+    let run =
+        |folder: &str, more: &[&str]| place.run("reversed_vortex", folder, &[&drawn_out, more].concat());
+    let kept = run("kept", &[]);
+    assert_eq!(number(&kept["materials"][0]["corrections"]["wisps"]), 0.0);
+    let removed = run("removed", &["advection.wisps=0.02"]);
+    let material = &removed["materials"][0];
+    let volume = number(&material["corrections"]["wisps"]);
+    let change = number(&material["volume_initial"]) - number(&material["volume_final"]);
+    assert!(volume > 0.0 && (volume - change).abs() <= 1e-14, "{volume:e} and {change:e}");
+}
+
+#[test]
+fn wrong_quantities_are_answered_with_the_line_and_advice() {
+    let cases: &[(&str, &str, &[&str])] = &[
+        ("name = \"a\"", "[[material.quantity]]", &["missing key `initial`"]),
+        (
+            "name = \"a\"\ninitial = { constant = { value = [1.0, 2.0] } }",
+            "initial",
+            &["a list of 2", "give one number"],
+        ),
+        (
+            "name = \"a\"\ninitial = { constant = { value = 1.0 } }\nweighting = \"b\"",
+            "weighting",
+            &["\"b\" is no density", "name a scalar quantity"],
+        ),
+        (
+            "name = \"a\"\ninitial = { constant = { value = 1.0 } }\nscheme = \"fct\"",
+            "scheme",
+            &["the scheme of a quantity", "donor"],
+        ),
+        (
+            "name = \"a\"\ninitial = { constant = { value = 1.0 } }\n[boundary]\ninflow = \"disc\"",
+            "name = \"a\"",
+            &["flows in", "add inflow"],
+        ),
+    ];
+    for (quantity, pointed, answer) in cases {
+        let shape = "radius = 0.3 } }\n";
+        let with_quantity = format!("{shape}[[material.quantity]]\n{quantity}\n");
+        let text = text(WAVE, REMESH, "").replace(shape, &with_quantity);
+        assert_refused(&Place::new(), &text, pointed, answer);
+    }
 }

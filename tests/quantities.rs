@@ -307,7 +307,7 @@ fn effective_values_are_those_of_the_materials_by_their_fractions() {
         .enumerate()
         .map(|(material, value)| MaterialQuantity::new(material, vec![vec![*value; 144]]))
         .collect();
-    let mixture = effective(&state, &[0, 1], 0);
+    let mixture = effective(&state.fractions, &state.quantities, &[0, 1], 0);
     for (cell, value) in mixture.iter().enumerate() {
         let [a, b] = [0, 1].map(|k: usize| state.fractions[k][cell]);
         assert!((value - (4.0 * a + b)).abs() <= 1e-15 * 4.0);

@@ -14,6 +14,8 @@ pub struct MaterialLedger {
     pub clipped: f64,
     /// Volume taken by scaling the fractions of a cell whose sum was above 1.
     pub rescaled: f64,
+    /// Volume removed with wisps, where the settings say so.
+    pub wisps: f64,
     /// Volume that left through open ends, less what came in.
     pub outflow: f64,
 }
@@ -25,6 +27,7 @@ impl Default for MaterialLedger {
             largest: f64::NEG_INFINITY,
             clipped: 0.0,
             rescaled: 0.0,
+            wisps: 0.0,
             outflow: 0.0,
         }
     }
@@ -37,6 +40,7 @@ impl MaterialLedger {
         self.largest = self.largest.max(other.largest);
         self.clipped += other.clipped;
         self.rescaled += other.rescaled;
+        self.wisps += other.wisps;
         self.outflow += other.outflow;
     }
 }
@@ -50,6 +54,14 @@ pub struct QuantityLedger {
     pub limited: f64,
     /// What left through open ends, less what came in.
     pub outflow: f64,
+}
+
+impl QuantityLedger {
+    /// Adds another account.
+    pub fn add(&mut self, other: &Self) {
+        self.limited += other.limited;
+        self.outflow += other.outflow;
+    }
 }
 
 /// The largest single correction, and where it was.
@@ -110,8 +122,7 @@ impl Ledger {
         }
         self.quantities.resize_with(self.quantities.len().max(other.quantities.len()), Default::default);
         for (a, b) in self.quantities.iter_mut().zip(&other.quantities) {
-            a.limited += b.limited;
-            a.outflow += b.outflow;
+            a.add(b);
         }
         self.largest_correction.note(other.largest_correction);
         self.counts.add(&other.counts);

@@ -4,7 +4,8 @@
 //! fractions in place and returns a [`Ledger`] of what it did. [`remap()`] takes fractions to any other mesh. Read [`settings`],
 //! [`boundary`], [`ledger`], [`schedule`], [`transport`], [`remesh`], then the private rooms: the band of cells that a step can change; the stages (what a sweep moves and
 //! where it comes from), the sweeps, and how several materials share what leaves a cell; and for unsplit advection the shares that
-//! materials have of cells (`nested`), what a region holds of each (`content`), and the regions that cells come from (`preimage`).
+//! materials have of cells (`nested`), what a region holds of each (`content`), and the regions that cells come from (`preimage`). `carry` takes along the
+//! [quantities](crate::quantity) of the materials; `wisps` removes what nobody wants to keep.
 
 mod band;
 pub mod boundary;
@@ -24,6 +25,7 @@ mod stage;
 mod sweeps;
 pub mod transport;
 mod unsplit;
+mod wisps;
 
 pub use boundary::{Boundary, End, WallCrossed};
 pub use ledger::{Ledger, MaterialLedger, QuantityLedger};

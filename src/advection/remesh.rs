@@ -18,6 +18,7 @@ use super::stage::{Regions, Stage, outward_volumes};
 use super::sweeps::{Holding, Rules, Sweeps};
 use super::transport::{SetupError, StepError};
 use super::unsplit::{Step, Unsplit, radius, reach};
+use super::wisps;
 use crate::interface::check_fractions;
 use crate::mesh::{Mesh, SweptVolumes};
 use crate::quanta::Quanta;
@@ -75,11 +76,15 @@ impl<const D: usize> Remesh<D> {
             check_fractions(from.grid(), fractions)?;
         }
         quantity::check(from.grid(), fractions, quantities, self.settings.inflow)?;
-        let cargo = Cargo { fractions, quantities };
-        match self.settings.scheme {
-            Scheme::Unsplit | Scheme::Remap => self.at_once(from, to, cargo),
-            _ => self.in_sweeps(from, to, cargo, step),
+        let mut cargo = Cargo { fractions, quantities };
+        let mut ledger = match self.settings.scheme {
+            Scheme::Unsplit | Scheme::Remap => self.at_once(from, to, &mut cargo),
+            _ => self.in_sweeps(from, to, &mut cargo, step),
+        }?;
+        if let Some(below) = self.settings.wisps {
+            wisps::remove(to, &mut cargo, below, &mut ledger);
         }
+        Ok(ledger)
     }
 
     /// New cells cut by old ones.
@@ -87,7 +92,7 @@ impl<const D: usize> Remesh<D> {
         &mut self,
         from: &Mesh<C, D>,
         to: &Mesh<C, D>,
-        cargo: Cargo<'_>,
+        cargo: &mut Cargo<'_>,
     ) -> Result<Ledger, StepError> {
         let boundary = self.boundary_of(from, &[SweptVolumes::new(from, to)?])?;
         boundary.check_inflow(cargo.fractions.len())?;
@@ -123,7 +128,7 @@ impl<const D: usize> Remesh<D> {
         &mut self,
         from: &Mesh<C, D>,
         to: &Mesh<C, D>,
-        cargo: Cargo<'_>,
+        cargo: &mut Cargo<'_>,
         step: usize,
     ) -> Result<Ledger, StepError> {
         let turns = turns::<D>(self.settings.order, step);

@@ -84,6 +84,9 @@ pub struct Settings<const D: usize> {
     /// Whether to go on where a cell would give away more than it holds, instead of returning
     /// [`StepError::Overdrawn`](super::StepError::Overdrawn); what cannot be given shows up in the ledger.
     pub overdraft: bool,
+    /// After a step, cells are emptied that hold less than this fraction of a material among cells that all hold less: wisps. None
+    /// keeps them.
+    pub wisps: Option<f64>,
 }
 
 impl<const D: usize> Default for Settings<D> {
@@ -96,6 +99,7 @@ impl<const D: usize> Default for Settings<D> {
             axes: SweepAxes::default(),
             order: SweepOrder::default(),
             overdraft: false,
+            wisps: None,
         }
     }
 }

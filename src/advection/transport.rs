@@ -12,6 +12,7 @@ use super::settings::{Scheme, Settings};
 use super::stage::{NodalMotion, Outward, Regions, Stage, components, outward_volumes};
 use super::sweeps::{Holding, Rules, Sweeps};
 use super::unsplit::{Step, Unsplit, radius, reach};
+use super::wisps;
 use crate::interface::{ReconstructionError, check_fractions};
 use crate::mesh::{Mesh, MotionError};
 use crate::quantity::{self, MaterialQuantity, QuantityError};
@@ -201,6 +202,20 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
         start: f64,
         end: f64,
     ) -> Result<Ledger, StepError> {
+        let mut cargo = Cargo { fractions, quantities };
+        let mut ledger = self.go(&mut cargo, step, [start, end])?;
+        if let Some(below) = self.settings.wisps {
+            wisps::remove(self.mesh, &mut cargo, below, &mut ledger);
+        }
+        Ok(ledger)
+    }
+
+    fn go(
+        &mut self,
+        Cargo { fractions, quantities }: &mut Cargo<'_>,
+        step: usize,
+        [start, end]: [f64; 2],
+    ) -> Result<Ledger, StepError> {
         self.boundary.check_inflow(fractions.len())?;
         let duration = self.velocity.duration(start, end);
         if duration == 0.0 || fractions.is_empty() {
@@ -230,7 +245,7 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
                 reconstruction: self.settings.reconstruction,
                 overdraft: self.settings.overdraft,
             };
-            unsplit.advance(&step, Cargo { fractions, quantities }, &mut ledger)?;
+            unsplit.advance(&step, &mut Cargo { fractions, quantities }, &mut ledger)?;
             return Ok(ledger);
         }
         let turns = turns::<D>(self.settings.order, step);
@@ -270,7 +285,7 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
                 outward[0] = outward_volumes::<C, D>(grid, &self.boundary, offset, |face| through[face]);
             }
         };
-        let cargo = Cargo { fractions, quantities };
+        let cargo = &mut Cargo { fractions, quantities };
         self.sweeps.run(&rules, &stages, &mut self.band, self.mesh.volumes(), cargo, outward)
     }
 }

@@ -139,7 +139,7 @@ impl<const D: usize> Unsplit<D> {
     pub(super) fn advance<C: Cell<D>>(
         &mut self,
         step: &Step<'_, C, D>,
-        cargo: Cargo<'_>,
+        cargo: &mut Cargo<'_>,
         ledger: &mut Ledger,
     ) -> Result<(), StepError> {
         let Cargo { fractions, quantities } = cargo;

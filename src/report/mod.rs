@@ -61,6 +61,8 @@ pub struct Summary {
     pub notes: Vec<String>,
     /// The materials.
     pub materials: Vec<MaterialSummary>,
+    /// The quantities that belong to the materials.
+    pub quantities: Vec<QuantitySummary>,
     /// The quantities that belong to the mesh.
     pub fields: Vec<FieldSummary>,
     /// The files in the output folder, this one included.
@@ -172,6 +174,24 @@ pub struct MaterialSummary {
     pub corrections: MaterialCorrections,
 }
 
+/// The account of one quantity of a material; components are added up.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct QuantitySummary {
+    /// Its name.
+    pub name: String,
+    /// The name of its material.
+    pub material: String,
+    /// The drift of `sum phi f V`, or of `sum phi rho f V` where a density weighs it, less what crossed the boundary, relative to the
+    /// initial sum of its magnitudes; none if that was 0.
+    pub conserved: Option<f64>,
+    /// The least value over the run, where there is material.
+    pub minimum: f64,
+    /// The largest value over the run, where there is material.
+    pub maximum: f64,
+    /// What limiting values and correcting fractions moved, without sign, relative to the same sum.
+    pub corrected: Option<f64>,
+}
+
 /// The account of one field; components are added up.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FieldSummary {
@@ -199,4 +219,6 @@ pub struct MaterialCorrections {
     pub clipped: f64,
     /// Volume taken where the fractions of a cell added up to more than 1.
     pub rescaled: f64,
+    /// Volume removed with wisps.
+    pub wisps: f64,
 }

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::RunError;
 use super::fields::FieldValues;
 use super::output::Written;
+use super::quantities::QuantityValues;
 use super::tally::Tally;
 use crate::export::{ExportError, write_file};
 use crate::scene::{Resolved, Scene, SceneError};
@@ -58,6 +59,7 @@ pub(super) struct State<'a> {
     pub(super) substeps: usize,
     pub(super) fractions: Cow<'a, [Vec<f64>]>,
     pub(super) fields: FieldValues<'a>,
+    pub(super) quantities: QuantityValues<'a>,
     pub(super) tally: Cow<'a, Tally>,
     pub(super) written: Written,
     /// Bytes of the tables so far.

@@ -5,7 +5,7 @@
 //! - [`plan`]: the time steps;
 //! - `folder`, `history`, `table`, `output`, `series`, `planes`: what is written; [`draw`]: pictures, of the meshes that have them;
 //! - `checkpoint`: the state of a run, to go on from;
-//! - `fields`: the quantities that belong to the mesh;
+//! - `fields`: the quantities that belong to the mesh; `quantities`: those that belong to the materials;
 //! - `exact`: the exact final state, where it is known; `tally`: running totals; `notes`: what one might not expect;
 //! - [`progress`]: who is told how far it is; [`threads`]: how many work.
 
@@ -23,6 +23,7 @@ pub mod plan;
 mod planes;
 pub mod prepare;
 pub mod progress;
+mod quantities;
 #[cfg(feature = "vtk")]
 mod series;
 pub mod still;
@@ -49,7 +50,8 @@ use folder::{Folder, SUMMARY};
 use history::{HISTORY, History};
 pub(crate) use memory::{forget_peak, megabytes, peak};
 pub(crate) use notes::{notes, of_start};
-use output::{Beside, Output};
+use output::{Beside, Moved, Output};
+use quantities::Quantities;
 use table::Table;
 use tally::Tally;
 pub(crate) use tally::{mixed_cells, not_asked_for};
@@ -137,8 +139,12 @@ fn prepared<C: Draw<D>, const D: usize>(
         Some(_) => Folder::of_run(&options.folder),
     };
     let fields = Fields::new(scene, &mesh)?;
+    let quantities = match &from {
+        None => Quantities::new(scene, &mesh, &fractions),
+        Some(_) => Quantities::new(scene, &mesh, &vec![vec![0.0; mesh.grid().len()]; scene.materials.len()]),
+    };
     let threads = options.threads;
-    let run = Run { scene, setup, fields, folder: folder.path(), checkpoints, threads, clock };
+    let run = Run { scene, setup, fields, quantities, folder: folder.path(), checkpoints, threads, clock };
     let done = run.go(fractions, from, progress);
     if done.is_err() {
         folder.remove_if_empty();
@@ -151,6 +157,7 @@ struct Run<'a, C, const D: usize> {
     scene: &'a Resolved<D>,
     setup: Setup<'a, C, D>,
     fields: Fields<'a, D>,
+    quantities: Quantities<'a, D>,
     folder: &'a Path,
     checkpoints: &'a Checkpoints,
     threads: usize,
@@ -196,6 +203,7 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
                 }
             };
             stand.tally.add(&stand.fractions, &ledger, stand.substeps);
+            self.quantities.note(&stand.fractions, &ledger.quantities);
             if let Some(history) = &mut stand.history {
                 let courant = rate * self.setup.velocity.duration(start, end).abs();
                 let mesh = self.setup.mover.mesh();
@@ -245,9 +253,9 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
         let (cells, materials) = (self.setup.mover.mesh().grid().len(), self.scene.materials.len());
         checkpoint.check(cells, materials, plan.steps)?;
         let refusal = checkpoint.refusal();
-        let State { step, substeps, fractions, fields, tally, written, history, field_table } =
+        let State { step, substeps, fractions, fields, quantities, tally, written, history, field_table } =
             checkpoint.state;
-        if !self.fields.go_on(fields) {
+        if !(self.fields.go_on(fields) && self.quantities.go_on(quantities)) {
             return Err(refusal);
         }
         self.setup.mover.go_on(plan.time(step) / plan.end).map_err(|error| RunError::Step {
@@ -285,6 +293,7 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
             substeps: stand.substeps,
             fractions: Cow::Borrowed(&stand.fractions),
             fields: self.fields.state(),
+            quantities: self.quantities.state(),
             tally: Cow::Borrowed(&stand.tally),
             written: stand.output.written(),
             history: length(stand.history.as_ref().map(|history| &history.0))?,
@@ -317,6 +326,7 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
         let mesh = self.setup.mover.mesh();
         let exact = exact::fractions(scene, mesh, &self.setup, tally.crossed());
         let mut summary = tally.summary(scene, &self.setup, mesh, &fractions, exact.as_deref());
+        summary.quantities = self.quantities.summaries(mesh, &fractions);
         summary.fields = self.fields.summaries(mesh, &self.exact_fields(plan.steps), self.setup.is_closed());
         summary.facet_gap_mean = facet_gap_mean(mesh, &facets);
         summary.notes = notes(scene, mesh, &plan, schedule);
@@ -381,12 +391,12 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
         number: usize,
         times: [f64; 2],
     ) -> Result<Ledger, TransportError> {
-        let Self { fields, setup, .. } = self;
+        let Self { fields, quantities, setup, .. } = self;
         let end = setup.plan.end;
         if !fields.is_empty() {
             fields.step(&setup.mover, &setup.velocity, times, end, number)?;
         }
-        setup.mover.step(fractions, number, times, end).map_err(|error| {
+        setup.mover.step(fractions, &mut quantities.values, number, times, end).map_err(|error| {
             fields.restore();
             error.into()
         })
@@ -424,7 +434,8 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
             Vec::new()
         };
         if state {
-            output.state(mesh, time, fractions, &facets, Some(&self.fields))?;
+            let moved = Moved { fields: &self.fields, quantities: &self.quantities };
+            output.state(mesh, time, fractions, &facets, Some(moved))?;
         }
         if picture {
             let when = if last { output::LAST } else { output::FIRST };

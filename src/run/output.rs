@@ -10,6 +10,7 @@ use super::folder::SUMMARY;
 use super::history::HISTORY;
 use super::plan::Plan;
 use super::planes::CellPlanes;
+use super::quantities::Quantities;
 #[cfg(feature = "vtk")]
 use super::series::Series;
 use crate::export::ExportError;
@@ -126,6 +127,13 @@ pub(super) enum Beside<const D: usize> {
     Planes(Vec<CellPlanes<D>>),
 }
 
+/// What a run moves besides the fractions.
+#[derive(Clone, Copy)]
+pub(super) struct Moved<'a, const D: usize> {
+    pub(super) fields: &'a Fields<'a, D>,
+    pub(super) quantities: &'a Quantities<'a, D>,
+}
+
 /// Writes the state of a run.
 pub(super) struct Output<'a, const D: usize> {
     scene: &'a Still<D>,
@@ -200,7 +208,7 @@ impl<'a, const D: usize> Output<'a, D> {
         time: f64,
         fractions: &[Vec<f64>],
         facets: &[Facet<D>],
-        fields: Option<&Fields<'_, D>>,
+        moved: Option<Moved<'_, D>>,
     ) -> Result<(), ExportError> {
         let number = self.written;
         self.written += 1;
@@ -215,9 +223,9 @@ impl<'a, const D: usize> Output<'a, D> {
             self.files.push(name);
         }
         #[cfg(feature = "vtk")]
-        self.files.extend(self.series.add(mesh, number, time, fractions, facets, fields)?);
+        self.files.extend(self.series.add(mesh, number, time, fractions, facets, moved)?);
         #[cfg(not(all(feature = "obj", feature = "vtk")))]
-        let _ = (mesh, number, time, fractions, facets, fields);
+        let _ = (mesh, number, time, fractions, facets, moved);
         Ok(())
     }
 

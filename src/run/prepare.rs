@@ -10,6 +10,7 @@ use crate::advection::{
 use crate::fractions::volume_fractions;
 use crate::mesh::{Grid, Mesh, MeshError, MeshMotion, MeshPath, MotionError, MotionRates, axis_name};
 use crate::metrics::material_volume;
+use crate::quantity::MaterialQuantity;
 use crate::scene::{Part, Resolved, SceneError, Stepping, Still};
 use crate::shape::Shape;
 use crate::space::spatial;
@@ -209,13 +210,14 @@ impl<C: Cell<D>, const D: usize> Mover<'_, C, D> {
         Ok(())
     }
 
-    /// Advances the fractions over a part of a run that ends at `run_end`. `step` counts the steps and their parts.
+    /// Advances fractions and quantities over a part of a run that ends at `run_end`. `step` counts the steps and their parts.
     ///
     /// # Errors
-    /// A step that cannot be done; the fractions, and the mesh, are then as before.
+    /// A step that cannot be done; all of them, and the mesh, are then as before.
     pub fn step(
         &mut self,
         fractions: &mut [Vec<f64>],
+        quantities: &mut [MaterialQuantity],
         step: usize,
         [start, end]: [f64; 2],
         run_end: f64,
@@ -223,11 +225,16 @@ impl<C: Cell<D>, const D: usize> Mover<'_, C, D> {
         // Without materials there is nothing to cut.
         let is_needed = !fractions.is_empty();
         match self {
-            Self::Flow(transport) if is_needed => transport.step(fractions, step, start, end),
+            Self::Flow(transport) if is_needed => {
+                transport.step_carrying(fractions, quantities, step, start, end)
+            }
             Self::Flow(_) => Ok(Ledger::new(0)),
             Self::Remesh { remesh, path, at } => {
                 let to = path.mesh(end / run_end)?;
-                let ledger = if is_needed { remesh.step(at, &to, fractions, step)? } else { Ledger::new(0) };
+                let ledger = match is_needed {
+                    true => remesh.step_carrying(at, &to, fractions, quantities, step)?,
+                    false => Ledger::new(0),
+                };
                 *at = to;
                 Ok(ledger)
             }
@@ -244,6 +251,7 @@ fn settings<const D: usize>(scene: &Resolved<D>, plan: &Plan) -> Settings<D> {
         axes: scene.advection.sweep_axes,
         order: scene.advection.sweep_order,
         overdraft: plan.overdraft,
+        wisps: scene.advection.wisps,
     }
 }
 
@@ -319,8 +327,14 @@ pub fn memory<const D: usize>(scene: &Resolved<D>) -> u64 {
         }
     }
     values += super::fields::values_per_cell(scene);
+    let components = scene.materials.iter().flat_map(|material| &material.quantities);
+    let components: u64 = components.map(|quantity| quantity.initial.len() as u64).sum();
+    if components > 0 {
+        // Values now and before the step, their slopes and middles, what a pass found, and what cells hold of the materials.
+        values += components * (3 + dimension + 1) + dimension + 2 * materials;
+    }
     let mut band = size_of::<u32>() as u64;
-    if scene.advection.scheme == Scheme::Unsplit {
+    if let Scheme::Unsplit | Scheme::Remap = scene.advection.scheme {
         // Places of mixed cells and of traced nodes; on distorted meshes boxes around blocks of cells.
         band *= 3;
         values += if distorted { 2 } else { 0 };

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use vofkit_geometry::{Cell, Vector};
 
-use super::fields::Fields;
-use super::output::{Beside, POINTS, series_file, state_file};
+use super::output::{Beside, Moved, POINTS, series_file, state_file};
 use crate::export::ExportError;
 use crate::export::vtk::{
     CellArray, Collection, fraction_arrays, write_poly_data, write_structured_grid_with_nodes,
@@ -40,7 +39,7 @@ impl<'a, const D: usize> Series<'a, D> {
         time: f64,
         fractions: &[Vec<f64>],
         facets: &[Facet<D>],
-        fields: Option<&Fields<'_, D>>,
+        moved: Option<Moved<'_, D>>,
     ) -> Result<Vec<String>, ExportError> {
         let mut files = Vec::new();
         let mut parts = Vec::new();
@@ -57,6 +56,9 @@ impl<'a, const D: usize> Series<'a, D> {
                     arrays.extend(each.flat_map(|(planes, material)| planes.arrays(material)));
                 }
             }
+            let fields = moved.map(|moved| moved.fields);
+            let mixtures = moved.map_or_else(Vec::new, |moved| moved.quantities.mixtures(fractions));
+            arrays.extend(moved.iter().flat_map(|moved| moved.quantities.arrays(&mixtures)));
             arrays.extend(fields.iter().flat_map(|fields| fields.arrays(false)));
             let name = state_file("fields", number, "vts");
             let path = self.folder.join(&name);

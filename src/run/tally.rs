@@ -72,6 +72,7 @@ impl Tally {
             dt: 0.0,
             courant: 0.0,
             mixed_cells: self.mixed_now,
+            largest: None,
             materials: self.volumes.iter().zip(&self.extremes).map(of_material).collect(),
         }
     }
@@ -94,7 +95,9 @@ impl Tally {
             };
             [material_volume(mesh, f), min, max, account.clipped, account.rescaled]
         });
+        let largest = ledger.largest_correction;
         Line {
+            largest: (largest.fraction > 0.0).then_some((largest.fraction, largest.cell)),
             step: self.steps,
             time: end,
             dt: end - start,
@@ -121,7 +124,7 @@ impl Tally {
         // Along mesh lines a sweep deals with the faces of one direction.
         let faces = face_count(mesh) * rounds / if over_all_faces { 1 } else { D };
         let cuts = match scene.advection.scheme {
-            Scheme::Unsplit => {
+            Scheme::Unsplit | Scheme::Remap => {
                 Share::without(self.ledger.preimages_cut, mesh.grid().len() * self.ledger.sweeps)
             }
             _ => Share::without(self.ledger.faces_cut, faces),
@@ -193,7 +196,11 @@ impl Tally {
             shape_error_relative: error.and_then(relative),
             fragments: pieces.count,
             stray_volume: pieces.stray_volume,
-            corrections: MaterialCorrections { clipped: account.clipped, rescaled: account.rescaled },
+            corrections: MaterialCorrections {
+                clipped: account.clipped,
+                rescaled: account.rescaled,
+                wisps: account.wisps,
+            },
         }
     }
 }

@@ -12,6 +12,9 @@ use crate::advection::{Scheme, SweepAxes, SweepOrder};
 use crate::interface::{Materials, Reconstruction};
 use crate::normal::NormalMethod;
 
+/// Larger remainders than this are no wisps.
+const LARGEST_WISP: f64 = 0.1;
+
 /// The Courant number of scenes that give none.
 const DEFAULT_COURANT: f64 = 0.5;
 
@@ -73,7 +76,7 @@ impl ReconstructionSection {
 #[serde(
     deny_unknown_fields,
     default,
-    expecting = "a table with mode, scheme, sweep_axes, sweep_order, substeps, courant, end_time, steps"
+    expecting = "a table with mode, scheme, sweep_axes, sweep_order, substeps, wisps, courant, end_time, steps"
 )]
 pub(super) struct AdvectionSection {
     mode: Spanned<String>,
@@ -81,6 +84,8 @@ pub(super) struct AdvectionSection {
     sweep_axes: Spanned<String>,
     sweep_order: Spanned<String>,
     substeps: Spanned<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    wisps: Option<Spanned<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     courant: Option<Spanned<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -101,6 +106,7 @@ impl Default for AdvectionSection {
             sweep_axes: word("logical"),
             sweep_order: word("alternating"),
             substeps: word("error"),
+            wisps: None,
             courant: None,
             end_time: None,
             steps: None,
@@ -168,6 +174,8 @@ pub struct AdvectionSetup {
     pub sweep_order: SweepOrder,
     /// What happens above the limit of the scheme.
     pub substeps: Substeps,
+    /// The fraction below which wisps are removed; none keeps them.
+    pub wisps: Option<f64>,
     /// The time steps.
     pub stepping: Stepping,
 }
@@ -181,18 +189,33 @@ impl AdvectionSection {
             self.end_time.get_or_insert(default(1.0));
         }
         let schemes =
-            [Scheme::Sweeps, Scheme::Isotropic, Scheme::WeymouthYue, Scheme::Unsplit].map(|s| (s.name(), s));
+            [Scheme::Sweeps, Scheme::Isotropic, Scheme::WeymouthYue, Scheme::Unsplit, Scheme::Remap]
+                .map(|s| (s.name(), s));
         let orders = [("alternating", SweepOrder::Alternating), ("symmetric", SweepOrder::Symmetric)];
         let axes = [("logical", SweepAxes::Logical), ("cartesian", SweepAxes::Cartesian)];
         let substeps = [("error", Substeps::Error), ("auto", Substeps::Auto), ("off", Substeps::Off)];
         Ok(AdvectionSetup {
             mode,
-            scheme: context.word("the scheme", &self.scheme, &schemes, &["remap"])?,
+            scheme: context.word("the scheme", &self.scheme, &schemes, &[])?,
             sweep_axes: context.word("sweep_axes", &self.sweep_axes, &axes, &[])?,
             sweep_order: context.word("sweep_order", &self.sweep_order, &orders, &[])?,
             substeps: context.word("substeps", &self.substeps, &substeps, &[])?,
+            wisps: self.wisps(context)?,
             stepping: self.stepping(context)?,
         })
+    }
+
+    fn wisps(&self, context: Context<'_>) -> Result<Option<f64>, SceneError> {
+        let Some(wisps) = &self.wisps else { return Ok(None) };
+        let below = *wisps.get_ref();
+        if below > 0.0 && below <= LARGEST_WISP {
+            return Ok(Some(below));
+        }
+        Err(context.error(
+            wisps.span(),
+            format!("advection.wisps is {below}"),
+            format!("give the fraction below which detached remainders are removed, at most {LARGEST_WISP}"),
+        ))
     }
 
     fn stepping(&mut self, context: Context<'_>) -> Result<Stepping, SceneError> {

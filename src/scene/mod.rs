@@ -1,7 +1,7 @@
 //! Scene files: what to run, in TOML, read into typed sections and resolved to the types of the toolkit.
 //!
 //! - `read`: the text of the file; `overrides`: values set on the command line;
-//! - `mesh`, `motion`, `shape`, `field`, `velocity`, `boundary`, `advection`, `output`: one section each, as it is written and what it
+//! - `mesh`, `motion`, `shape`, `quantity`, `field`, `velocity`, `boundary`, `advection`, `output`: one section each, as it is written and what it
 //!   means;
 //! - `error`: what is wrong, with the place in the file; `wording`: names, and what the reader of TOML says;
 //! - this file: the whole scene.
@@ -17,6 +17,7 @@ mod mesh;
 mod motion;
 mod output;
 mod overrides;
+mod quantity;
 mod read;
 mod shape;
 mod velocity;
@@ -35,6 +36,7 @@ pub use error::{SceneError, Source};
 pub use field::{FieldSetup, Kind, Location, Method};
 pub use mesh::MeshSetup;
 pub use output::OutputSetup;
+pub use quantity::QuantitySetup;
 pub use velocity::ReversalSetup;
 
 pub(crate) use read::read_text;
@@ -127,6 +129,8 @@ pub struct MaterialSetup<const D: usize> {
     pub shape: Shape<D>,
     /// Whether there may be nothing of it in the domain.
     pub allow_empty: bool,
+    /// What belongs to it.
+    pub quantities: Vec<QuantitySetup<D>>,
 }
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -152,12 +156,14 @@ struct SceneFile {
 }
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, expecting = "a table with name, shape, allow_empty")]
+#[serde(deny_unknown_fields, expecting = "a table with name, shape, allow_empty, quantity")]
 struct MaterialSection {
     name: Spanned<String>,
     shape: Spanned<shape::ShapeChoice>,
     #[serde(default)]
     allow_empty: bool,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    quantity: Vec<quantity::QuantitySection>,
 }
 
 fn no_advection() -> Spanned<advection::AdvectionSection> {
@@ -358,9 +364,13 @@ impl<const D: usize> Still<D> {
     fn new(mut file: SceneFile, source: Source) -> Result<Self, SceneError> {
         let context = Context { source: &source };
         let mesh = file.mesh.get_mut().resolve(context)?;
-        let materials = materials::<D>(&file, context)?;
+        let mut materials = materials::<D>(&file, context)?;
         let names: Vec<String> = materials.iter().map(|material| material.name.clone()).collect();
         let boundary = file.boundary.resolve(&names, context)?;
+        for (k, (material, section)) in materials.iter_mut().zip(file.materials()).enumerate() {
+            let flows_in = boundary.inflow == Some(k);
+            material.quantities = quantity::resolve_all(&section.quantity, flows_in, &mesh, context)?;
+        }
         let reconstruction = file.reconstruction.resolve(context)?;
         let output = file.output.resolve(D, context)?;
         let name = file.name.as_ref().map(|name| name.get_ref().clone()).unwrap_or_default();
@@ -460,7 +470,7 @@ fn materials<const D: usize>(
         ));
     }
     let mut materials: Vec<MaterialSetup<D>> = Vec::new();
-    for MaterialSection { name, shape, allow_empty } in file.materials() {
+    for MaterialSection { name, shape, allow_empty, .. } in file.materials() {
         let text = name.get_ref();
         check_text("the material", name, context)?;
         if text == boundary::VOID {
@@ -478,7 +488,8 @@ fn materials<const D: usize>(
             ));
         }
         let shape = shape::resolve(shape, context)?;
-        materials.push(MaterialSetup { name: text.clone(), shape, allow_empty: *allow_empty });
+        let quantities = Vec::new();
+        materials.push(MaterialSetup { name: text.clone(), shape, allow_empty: *allow_empty, quantities });
     }
     Ok(materials)
 }

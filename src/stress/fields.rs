@@ -9,6 +9,7 @@ use crate::advection::{Settings, Transport, remap};
 use crate::interface::{Reconstruction, reconstruct};
 use crate::mesh::{Distortion, Grid, Mesh};
 use crate::metrics::material_volume;
+use crate::quantity::State;
 use crate::velocity::{Field, Reversal, Velocity};
 
 /// Change of a volume that is rounding, relative to the mesh.
@@ -161,11 +162,12 @@ fn spin(radius: f64) -> Verdict {
         Err(error) => return Verdict::broken(error.to_string()),
     };
     let fractions = crate::fractions::volume_fractions(&from, &[disc(radius)]);
-    let there = match remap(&from, &to, &fractions, Reconstruction::default()) {
-        Ok(there) => there.fractions,
+    let state = State { fractions, quantities: Vec::new() };
+    let there = match remap(&from, &to, &state, Reconstruction::default()) {
+        Ok((there, _)) => there.fractions,
         Err(error) => return Verdict::broken(error.to_string()),
     };
-    let [before, after] = [material_volume(&from, &fractions[0]), material_volume(&to, &there[0])];
+    let [before, after] = [material_volume(&from, &state.fractions[0]), material_volume(&to, &there[0])];
     let outside = there[0].iter().fold(0.0_f64, |worst, &f| worst.max(-f).max(f - 1.0));
     let drift = Verdict::of((after - before).abs(), VOLUME, format!("volume {before:e} became {after:e}"));
     drift.or(Verdict::of(outside, VOLUME, format!("{outside:e} out of bounds")))

@@ -238,7 +238,7 @@ fn advance<C: Cell<D>, const D: usize>(
     halvings: usize,
     ledger: &mut Ledger,
 ) -> Result<(), StepError> {
-    match mover.step(fractions, number, [start, end], run_end) {
+    match mover.step(fractions, &mut [], number, [start, end], run_end) {
         Ok(done) => {
             ledger.add(&done);
             Ok(())

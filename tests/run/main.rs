@@ -93,7 +93,7 @@ fn the_summary_has_all_its_fields() {
     let header = fs::read_to_string(place.path("o/history.csv")).unwrap();
     assert_eq!(
         header.lines().next().unwrap(),
-        "step,time,dt,courant,mixed_cells,disc.volume,disc.min,disc.max,disc.clipped,disc.rescaled"
+        "step,time,dt,courant,mixed_cells,largest_correction,largest_in_cell,disc.volume,disc.min,disc.max,disc.clipped,disc.rescaled"
     );
 }
 

@@ -123,7 +123,7 @@ impl<const D: usize> Sweeps<D> {
         stages: &[Stage<'_, C, D>],
         band: &mut Band<D>,
         volumes: &[f64],
-        mut cargo: Cargo<'_>,
+        cargo: &mut Cargo<'_>,
         outward: impl Fn([usize; D], &mut [Outward]) + Sync + Send,
     ) -> Result<Ledger, StepError> {
         let mut ledger = Ledger::new(cargo.fractions.len());
@@ -135,7 +135,7 @@ impl<const D: usize> Sweeps<D> {
             self.carry.begin(cargo.quantities, cargo.fractions, volumes, cells);
         }
         for stage in stages {
-            if let Err(error) = self.advance(rules, stage, band, &mut cargo, &mut ledger) {
+            if let Err(error) = self.advance(rules, stage, band, cargo, &mut ledger) {
                 self.restore(band, cargo.fractions);
                 if carries {
                     self.carry.restore(cargo.quantities);

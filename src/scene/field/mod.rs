@@ -13,7 +13,7 @@ use super::wording::check_name;
 use crate::nodal::NodalScheme;
 use crate::profile::Profile;
 use crate::volume_associated::{Limiter, PointScheme, Scheme};
-use profile::{Amount, ProfileChoice, amounts, profiles};
+pub(super) use profile::{Amount, ProfileChoice, amounts, profiles};
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(
@@ -45,11 +45,11 @@ pub(super) struct FieldSection {
     inflow: Option<Spanned<Amount>>,
 }
 
-fn word(text: &str) -> Spanned<String> {
+pub(super) fn word(text: &str) -> Spanned<String> {
     default(text.to_owned())
 }
 
-fn scalar() -> Spanned<String> {
+pub(super) fn scalar() -> Spanned<String> {
     word("scalar")
 }
 
@@ -57,16 +57,16 @@ fn cell() -> Spanned<String> {
     word("cell")
 }
 
-fn muscl() -> Spanned<String> {
+pub(super) fn muscl() -> Spanned<String> {
     word("muscl")
 }
 
-fn volume() -> Spanned<String> {
+pub(super) fn volume() -> Spanned<String> {
     word(VOLUME)
 }
 
 /// What carries fields that no density carries.
-const VOLUME: &str = "volume";
+pub(super) const VOLUME: &str = "volume";
 
 /// What a field is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,6 +89,10 @@ impl Kind {
         }
     }
 }
+
+/// The words for them.
+pub(super) const KINDS: [(&str, Kind); 3] =
+    [("scalar", Kind::Scalar), ("vector", Kind::Vector), ("tensor", Kind::Tensor)];
 
 /// Where the values of a field are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -207,8 +211,7 @@ impl FieldSection {
         mesh: &MeshSetup<D>,
         context: Context<'_>,
     ) -> Result<FieldSetup<D>, SceneError> {
-        let kinds = [("scalar", Kind::Scalar), ("vector", Kind::Vector), ("tensor", Kind::Tensor)];
-        let kind = context.word("the kind of field", &self.kind, &kinds, &[])?;
+        let kind = context.word("the kind of field", &self.kind, &KINDS, &[])?;
         let nodal = match &self.nodal {
             None => NodalScheme::default(),
             Some(nodal) => {

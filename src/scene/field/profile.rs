@@ -17,14 +17,14 @@ use crate::shape::{Rotation, Shape};
 /// One number, or one for each component.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(untagged, expecting = "a number, or a list of one for each component")]
-pub(super) enum Amount {
+pub(in crate::scene) enum Amount {
     One(f64),
     Each(Vec<f64>),
 }
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub(super) enum ProfileChoice {
+pub(in crate::scene) enum ProfileChoice {
     Constant {
         value: Spanned<Amount>,
     },
@@ -59,7 +59,7 @@ pub(super) enum ProfileChoice {
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, expecting = "a table with shape, value")]
-pub(super) struct InclusionSection {
+pub(in crate::scene) struct InclusionSection {
     shape: Spanned<ShapeChoice>,
     value: Spanned<Amount>,
 }
@@ -73,7 +73,7 @@ fn no_phase() -> Spanned<f64> {
 }
 
 /// As many finite numbers as there are components.
-pub(super) fn amounts(
+pub(in crate::scene) fn amounts(
     what: &str,
     amount: &Spanned<Amount>,
     components: usize,
@@ -101,7 +101,7 @@ pub(super) fn amounts(
 }
 
 /// The profile of each component.
-pub(super) fn profiles<const D: usize>(
+pub(in crate::scene) fn profiles<const D: usize>(
     choice: &ProfileChoice,
     place: std::ops::Range<usize>,
     components: usize,
