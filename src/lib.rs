@@ -7,7 +7,8 @@
 //! 3. [`shape`] and [`fractions`]: from shapes to volume fractions; [`profile`]: quantities at the
 //!    start; [`velocity`]: fields and the volumes that cross faces;
 //! 4. [`normal`] and [`interface`]: a plane in every mixed cell, and its [`facet`];
-//! 5. [`advection`]: fractions a step later, with a ledger of what was done;
+//! 5. [`quantity`]: what belongs to a material; [`advection`]: fractions and quantities a step later, with a ledger of what was done;
+//!    [`ale`]: the same for arrays of the caller's own;
 //! 6. [`volume_associated`] and [`nodal`]: the same for quantities of the mesh and its nodes;
 //! 7. [`metrics`]: numbers that judge a result; [`export`]: files for viewers.
 //!
@@ -33,6 +34,7 @@
 pub use vofkit_geometry as geometry;
 
 pub mod advection;
+pub mod ale;
 pub mod body_file;
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -71,6 +73,7 @@ pub mod prelude {
     pub use crate::advection::{
         Ledger, Remesh, Scheme, Settings, StepError, SweepAxes, SweepOrder, Transport, remap,
     };
+    pub use crate::ale;
     pub use crate::facet::Facet;
     pub use crate::fractions::volume_fractions;
     pub use crate::geometry::{Cell, HalfSpace, Hexahedron, PositionMethod, Quad, Vector};

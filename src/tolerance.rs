@@ -122,6 +122,10 @@ pub const RANGE: std::ops::RangeInclusive<f64> = 1e-250..=1e250;
 /// are rounding, and no point of it could be moved to account for them.
 pub const FACE_COLLAPSED: f64 = 1e-10;
 
+/// The fluxes of a cell that the caller gives may fail to cancel by this, relative to its volume: rounding. What they fill or drain
+/// beyond that would go missing, since the cell stays as large as it is.
+pub const FLUX_BALANCE: f64 = 1e-13;
+
 /// What a cell keeps of a material below this, relative to what it held, is the rounding of what left.
 pub const KEPT_ROUNDING: f64 = 4.0 * f64::EPSILON;
 

@@ -8,10 +8,11 @@ use proptest::test_runner::RngSeed;
 use vofkit::advection::{
     Ledger, Remesh, Scheme, Settings, StepError, SweepAxes, SweepOrder, Transport, remap,
 };
+use vofkit::ale::{self, AleError};
 use vofkit::fractions::volume_fractions;
-use vofkit::geometry::{Cell, Vector};
+use vofkit::geometry::{Cell, Quad, Vector};
 use vofkit::interface::Reconstruction;
-use vofkit::mesh::{Distortion, Mesh};
+use vofkit::mesh::{Distortion, Mesh, MeshError};
 use vofkit::quantity::{Distribution, MaterialQuantity, QuantityError, State, effective, totals};
 use vofkit::shape::Shape;
 use vofkit::velocity::{Field, Velocity};
@@ -392,4 +393,64 @@ fn quantities_that_are_none_are_errors_that_say_where() {
     let error = transport.step_carrying(&mut fractions, &mut quantities, 0, 0.0, 0.1).expect_err("no inflow");
     let missing = QuantityError::Inflow { quantity: 3, material: 1, components: 1 };
     assert_eq!(error, StepError::Quantity(missing));
+}
+
+#[test]
+fn arrays_that_make_up_no_step_are_errors_that_say_where() {
+    let nodes: Vec<[f64; 2]> = (0..25).map(|k| [f64::from(k % 5), f64::from(k / 5)]).collect();
+    let state = State::of_fractions(vec![vec![0.5; 16]]);
+    let method = Reconstruction::default();
+    let remapped =
+        |new: &[[f64; 2]]| ale::remap::<Quad, 2>([4, 4], &nodes, new, &state, method).expect_err("no mesh");
+    let short = AleError::Length { what: "new nodes", given: 24, wanted: 25 };
+    assert_eq!(remapped(&nodes[..24]), short);
+    let mut odd = nodes.clone();
+    odd[7][1] = f64::NAN;
+    assert!(matches!(remapped(&odd), AleError::NotFinite { what: "new nodes", index: 7, .. }));
+    odd[7] = [2.0, -9.0];
+    assert!(matches!(remapped(&odd), AleError::Mesh(MeshError::BadCells { .. })));
+
+    let mesh: Mesh2 = unit_mesh(4, Distortion::None);
+    let (fluxes, still) = (vec![0.0; 20], vec![[0.0; 2]; 25]);
+    let advanced = |x: &[f64], moves: &[[f64; 2]]| {
+        ale::advance(&mesh, &[x, &fluxes], moves, &state, method).expect_err("no step")
+    };
+    let short = AleError::Length { what: "face fluxes", given: 19, wanted: 20 };
+    assert_eq!(advanced(&fluxes[..19], &still), short);
+    let short = AleError::Length { what: "displacements", given: 3, wanted: 25 };
+    assert_eq!(advanced(&fluxes, &still[..3]), short);
+    let mut one = fluxes.clone();
+    one[6] = 0.01;
+    // Face 6 across x is between the cells (0, 1) and (1, 1).
+    assert!(matches!(advanced(&one, &still), AleError::Unbalanced { cell, .. } if cell == [0, 1]));
+    one[6] = f64::INFINITY;
+    assert!(matches!(advanced(&one, &still), AleError::NotFinite { what: "face fluxes", index: 6, .. }));
+    let bad = State::of_fractions(vec![vec![2.0; 16]]);
+    ale::advance(&mesh, &[&fluxes, &fluxes], &still, &bad, method).expect_err("no fractions");
+}
+
+#[test]
+fn given_fluxes_and_displacements_do_what_a_uniform_flow_does() {
+    let mesh: Mesh3 = unit_mesh(6, Distortion::None);
+    let before = state(&mesh);
+    let velocity = Vector::<3>::new(0.5, -0.25, 0.75);
+    let dt = 0.1;
+    let face = 1.0 / 36.0;
+    let fluxes: Vec<Vec<f64>> = velocity.iter().map(|u| vec![u * dt * face; 7 * 36]).collect();
+    let displacements = vec![[0.05, -0.025, 0.075]; 343];
+    let arrays = [&fluxes[0][..], &fluxes[1], &fluxes[2]];
+    let given = ale::advance(&mesh, &arrays, &displacements, &before, Reconstruction::default());
+    let (given, ledger) = given.expect("a small step");
+    let mut after = before.clone();
+    let mut transport =
+        Transport::new(&mesh, steady(Field::Uniform { velocity }), settings(Scheme::Unsplit)).expect("open");
+    let State { fractions, quantities } = &mut after;
+    let of_flow = transport.step_carrying(fractions, quantities, 0, 0.0, dt).expect("a small step");
+    for (a, b) in given.fractions.iter().flatten().zip(after.fractions.iter().flatten()) {
+        assert!((a - b).abs() <= 1e-13, "{a} and {b}");
+    }
+    for (a, b) in ledger.quantities.iter().zip(&of_flow.quantities) {
+        assert!((a.outflow - b.outflow).abs() <= 1e-13, "{a:?} and {b:?}");
+    }
+    assert_bounded(&given);
 }

@@ -35,3 +35,4 @@ pub use schedule::SweepOrder;
 pub(crate) use schedule::sweep_order;
 pub use settings::{Scheme, Settings, SweepAxes};
 pub use transport::{SetupError, StepError, Transport};
+pub(crate) use unsplit::step_with_fluxes;

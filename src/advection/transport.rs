@@ -80,7 +80,7 @@ pub enum StepError {
     Reconstruction(#[from] ReconstructionError),
     /// An end of a moving mesh that was said to be a wall, but moves.
     #[error("an end of the mesh that is said to be a wall moves: {0}")]
-    MovingWall(WallCrossed),
+    MovingWall(#[from] WallCrossed),
     /// A mesh that cannot be moved to.
     #[error(transparent)]
     Mesh(#[from] MotionError),

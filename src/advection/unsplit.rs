@@ -26,6 +26,7 @@ use crate::interface::{Reconstruction, RegionOf};
 use crate::mesh::Mesh;
 use crate::mesh::locate::Locator;
 use crate::parallel;
+use crate::quantity::State;
 use crate::tolerance::{FRACTION_EXCESS, LARGEST_RADIUS};
 
 /// What stays from step to step.
@@ -41,7 +42,7 @@ pub(super) struct Unsplit<const D: usize> {
 }
 
 /// The volume that crosses face `2 axis + side` of the cell at an offset towards higher indices, by offset, axis and side.
-pub(super) type Through<'a, const D: usize> = &'a (dyn Fn([usize; D], usize, usize) -> f64 + Sync);
+pub(crate) type Through<'a, const D: usize> = &'a (dyn Fn([usize; D], usize, usize) -> f64 + Sync);
 
 /// One step.
 pub(super) struct Step<'a, C, const D: usize> {
@@ -202,6 +203,41 @@ impl<const D: usize> Unsplit<D> {
         }
         Ok(())
     }
+}
+
+/// One step on its own: what crosses the faces, and how far what is at the nodes has come, are given.
+///
+/// # Errors
+/// A step that cannot be done; the state is then as before.
+pub(crate) fn step_with_fluxes<C: Cell<D>, const D: usize>(
+    mesh: &Mesh<C, D>,
+    through: Through<'_, D>,
+    displacements: &[Vector<D>],
+    state: &mut State,
+    reconstruction: Reconstruction,
+) -> Result<Ledger, StepError> {
+    let State { fractions, quantities } = state;
+    let mut ledger = Ledger::new(fractions.len());
+    if fractions.is_empty() {
+        return Ok(ledger);
+    }
+    let crossing = |offset: [usize; D], axis: usize, side: usize| through(offset, axis, side).abs();
+    let boundary = Boundary::where_crossed(mesh, [[None; 2]; D], None, crossing)?;
+    let around = [radius(reach(mesh, |node| displacements[node])); D];
+    let mut band = Band::new();
+    band.collect(mesh.grid(), fractions, &carried(quantities, fractions.len()), &boundary, around);
+    let step = Step {
+        mesh,
+        volumes: mesh.volumes(),
+        boundary: &boundary,
+        displacement: &|node| displacements[node],
+        through: Some(through),
+        band: &band,
+        reconstruction,
+        overdraft: false,
+    };
+    Unsplit::new(mesh).advance(&step, &mut Cargo { fractions, quantities }, &mut ledger)?;
+    Ok(ledger)
 }
 
 /// How many cells away from one that is not settled contents can change where nodes have come at most `reach` cells.
