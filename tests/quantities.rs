@@ -315,6 +315,7 @@ fn effective_values_are_those_of_the_materials_by_their_fractions() {
     }
 }
 
+#[cfg(feature = "parallel")]
 #[test]
 fn the_same_bits_for_any_number_of_threads() {
     let mesh: Mesh2 = unit_mesh(24, random(0.2, 6));
