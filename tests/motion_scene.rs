@@ -204,12 +204,14 @@ fn quantities_travel_with_their_materials() {
 #[test]
 fn wisps_are_kept_unless_they_are_to_be_removed() {
     let place = Place::new();
-    let drawn_out = ["mesh.cells=[16,16]", "advection.end_time=4", "output.picture=false"];
+    // Planes along cell faces tear a tail into drops.
+    let drawn_out =
+        ["mesh.cells=[16,16]", "advection.end_time=4", "output.picture=false", "reconstruction.normal=slic"];
     let run =
         |folder: &str, more: &[&str]| place.run("reversed_vortex", folder, &[&drawn_out, more].concat());
     let kept = run("kept", &[]);
     assert_eq!(number(&kept["materials"][0]["corrections"]["wisps"]), 0.0);
-    let removed = run("removed", &["advection.wisps=0.02"]);
+    let removed = run("removed", &["advection.wisps=0.05"]);
     let material = &removed["materials"][0];
     let volume = number(&material["corrections"]["wisps"]);
     let change = number(&material["volume_initial"]) - number(&material["volume_final"]);

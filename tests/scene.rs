@@ -140,7 +140,7 @@ fn errors_outside_of_what_was_set_point_at_the_file() {
 #[test]
 fn every_scene_passes_the_check_and_so_does_its_resolved_form() {
     let place = Place::new();
-    assert_eq!(scenes().len(), 21);
+    assert_eq!(scenes().len(), 23);
     for name in scenes() {
         let path = scene(&name);
         let small: &[&str] = if name.ends_with("3d") { &["--set", "mesh.cells=[10, 10, 20]"] } else { &[] };
@@ -248,7 +248,7 @@ fn what_is_wrong_in_added_lines_is_named_too() {
         ("[mesh]", "distortion = { twist = { angle = 20.0 } }", &["cannot be used", "cell [", "angle"]),
         ("[advection]", "courant = 1.5", &["1.5", "above 1", "the limit", "\"auto\""]),
         ("[advection]", "courant = 0.5\nsteps = 3", &["all given", "leave out one"]),
-        ("[advection]", "scheme = \"remap\"", &["not available in this version", "available: sweeps"]),
+        ("[advection]", "scheme = \"remap\"", &["for meshes that move", "mode"]),
         ("[advection]", "mode = \"remash\"", &["is not known", "available: flow, remesh"]),
         ("[advection]", "substeps = \"maybe\"", &["\"maybe\" is not known", "error, auto, off"]),
         ("[velocity]", "reversal = { flip = {} }", &["either a step or a time", "flip = { step"]),

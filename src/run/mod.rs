@@ -134,11 +134,11 @@ fn prepared<C: Draw<D>, const D: usize>(
     };
     progress.stage("fluxes");
     let setup = prepare::setup(scene, &mesh)?;
+    let fields = Fields::new(scene, &mesh)?;
     let folder = match &from {
         None => Folder::open(&options.folder, options.force)?,
         Some(_) => Folder::of_run(&options.folder),
     };
-    let fields = Fields::new(scene, &mesh)?;
     let quantities = match &from {
         None => Quantities::new(scene, &mesh, &fractions),
         Some(_) => Quantities::new(scene, &mesh, &vec![vec![0.0; mesh.grid().len()]; scene.materials.len()]),

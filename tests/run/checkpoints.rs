@@ -92,7 +92,8 @@ fn stopped_runs_come_to_the_same_bits() {
         ("deformation_3d", &["mesh.cells=[8,8,8]", "mesh.distortion.wave.amplitude=0.3"]),
         ("seven_discs", &["mesh.cells=[20,20]"]),
         ("remesh_wave", &["mesh.cells=[12,12]"]),
-        ("fields/mixed_step", &["mesh.cells=[12,12]"]),
+        ("fields/mmale_step", &["mesh.cells=[12,12]", "advection.courant=0.1"]),
+        ("carried_quantities", &["mesh.cells=[12,12]"]),
         ("fields/disc_disperses", &["mesh.cells=[16,16]"]),
     ];
     let place = Place::new();
