@@ -79,7 +79,7 @@ fn assert_same(name: &str, one: &Path, other: &Path) {
 
 #[test]
 fn stopped_runs_come_to_the_same_bits() {
-    let cases: [(&str, &[&str]); 8] = [
+    let cases: [(&str, &[&str]); 9] = [
         (
             "reversed_vortex",
             &["mesh.cells=[16,16]", "mesh.distortion.random.amplitude=0.2", "output.times=[0,0.2,0.6]"],
