@@ -14,9 +14,9 @@
 //!
 //! [`body_file`] reads bodies for shapes.
 //!
-//! With the feature `cli`, `scene` reads scene files, `run` runs them, `report` sums up, `kernel` takes tables of cells and planes
-//! through the geometry kernel, `study` runs combinations of settings and compares them (with the feature `plot`, too), `stress` tries extreme cases, and `cli` is the
-//! command line `vofkit`.
+//! With the feature `import`, `import` reads meshes and fractions of other programs. With the feature `cli`, `scene` reads scene files,
+//! `run` runs them, `report` sums up, `kernel` takes tables of cells and planes through the geometry kernel, `study` runs combinations of
+//! settings and compares them (with the feature `plot`, too), `stress` tries extreme cases, and `cli` is the command line `vofkit`.
 //! Numerics never look at these. Two and three dimensions are one code, generic over the dimension `D` and the type of
 //! [cell](geometry::Cell).
 //!
@@ -41,6 +41,8 @@ pub mod cli;
 pub mod export;
 pub mod facet;
 pub mod fractions;
+#[cfg(feature = "import")]
+pub mod import;
 pub mod interface;
 #[cfg(feature = "cli")]
 pub mod kernel;

@@ -108,6 +108,14 @@ pub const REVERSAL_ROUNDING: f64 = 1e-12;
 /// a limit joined ends could come apart.
 pub const PERIODIC_MOTION: f64 = 1e-12;
 
+/// Fractions from a file may add up to this much more than 1 in a cell: those of other programs are often rounded to seven
+/// digits. They are then divided by their sum.
+pub const FRACTION_SUM: f64 = 1e-6;
+
+/// Nodes of a plane mesh from a file may differ by this much in z, relative to the size of the mesh: coordinates in single precision
+/// that were turned into the plane.
+pub const PLANAR: f64 = 1e-6;
+
 /// A cell belongs to a fragment of a material where its fraction is above this: wisps below it join nothing.
 pub const FRAGMENT_FRACTION: f64 = 1e-6;
 

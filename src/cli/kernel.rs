@@ -6,6 +6,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use vofkit_geometry::{PositionMethod, TruncationMethod};
 
 use super::terminal::{self, Failure};
+use crate::kernel::profile::{ProfileJob, profile};
 use crate::kernel::{self, Job, KernelError, Task};
 use crate::run::threads::Pool;
 
@@ -36,6 +37,24 @@ pub enum Question {
         /// How to find them.
         #[arg(long, value_enum, default_value_t)]
         method: Position,
+    },
+    /// Let planes move through the cells of a table: which plane constant belongs to which volume fraction.
+    ///
+    /// The table has the columns x0,y0 to x3,y3 and nx,ny, and for hexahedra z0 to z7, x4,y4 to x7,y7 and nz, which are empty for
+    /// quadrilaterals; a column `name` names the curves. The output has name, f, d, s (d between its ends) and section_area; a
+    /// picture of s over f is written beside it.
+    Profile {
+        /// The table to read, with commas between its columns.
+        input: PathBuf,
+        /// The table to write; the picture has the same name with .svg.
+        #[arg(long, value_name = "FILE")]
+        out: PathBuf,
+        /// Replace existing output files.
+        #[arg(long)]
+        force: bool,
+        /// Print nothing but errors.
+        #[arg(long)]
+        quiet: bool,
     },
 }
 
@@ -119,6 +138,13 @@ pub fn ask(question: Question) -> Result<(), Failure> {
     let (files, task) = match question {
         Question::Truncate { files, method } => (files, Task::Truncate(method.into())),
         Question::Position { files, method } => (files, Task::Position(method.into())),
+        Question::Profile { input, out, force, quiet } => {
+            let (profiles, written) = profile(&ProfileJob { input, output: out, force })?;
+            let files =
+                written.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join(" and ");
+            let text = format!("the profiles of {} cells written to {files}\n", profiles.len());
+            return if quiet { Ok(()) } else { terminal::print(&text) };
+        }
     };
     let Files { input, out, force, threads, quiet } = files;
     let job = Job { input, output: out, force, task, timed: !quiet };

@@ -19,8 +19,16 @@ const LABELS: u32 = 48;
 const TEXT: (&str, u32) = ("sans-serif", 20);
 
 /// Colours of curves (Okabe & Ito 2008).
-const CURVES: [RGBColor; 4] =
-    [RGBColor(150, 150, 150), RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115)];
+const CURVES: [RGBColor; 8] = [
+    RGBColor(150, 150, 150),
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+    RGBColor(0, 0, 0),
+];
 
 /// From the least to the largest value (viridis, van der Walt & Smith 2015).
 const RAMP: [[u8; 3]; 5] = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];

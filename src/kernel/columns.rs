@@ -169,7 +169,7 @@ impl Columns {
 }
 
 /// The place of a column, if there is one; an error if there are two.
-fn find(header: &StringRecord, name: &str) -> Result<Option<usize>, ColumnsError> {
+pub(super) fn find(header: &StringRecord, name: &str) -> Result<Option<usize>, ColumnsError> {
     let mut places = header.iter().enumerate().filter(|(_, column)| column.trim() == name).map(|(at, _)| at);
     match (places.next(), places.next()) {
         (Some(first), Some(second)) => {

@@ -4,7 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
-use vofkit_geometry::PositionError;
+use vofkit_geometry::{Defect, PositionError};
 
 use crate::export::ExportError;
 
@@ -145,6 +145,10 @@ pub enum RowError {
         /// The one that `local_constant` stands for.
         from_local: f64,
     },
+    /// A cell that cannot be used.
+    Cell(Defect),
+    /// More cells than this.
+    Many(usize),
     /// There is no plane constant.
     Position(PositionError),
     /// The result is too large for a double.
@@ -166,6 +170,8 @@ impl fmt::Display for RowError {
                 f,
                 "`d` is {constant:?}, but `local_constant` stands for {from_local:?}: these are different planes"
             ),
+            Self::Cell(defect) => write!(f, "a cell that cannot be used: {defect}"),
+            Self::Many(most) => write!(f, "more than {most} cells"),
             Self::Position(error) => error.fmt(f),
             Self::Overflow(column) => write!(f, "`{column}` is too large for a double"),
         }
@@ -184,6 +190,10 @@ impl RowError {
             Self::Constants { .. } => {
                 "remove one of the two columns, or let local_constant = d - n.x0 with the cell's first node x0"
             }
+            Self::Cell(_) => {
+                "give a simple quadrilateral counter-clockwise, or a hexahedron in the order of VTK_HEXAHEDRON"
+            }
+            Self::Many(_) => "give fewer cells: a picture of more is of no use",
             Self::Position(PositionError::Fraction(_)) => "let f lie between 0 and 1",
             Self::Position(PositionError::Normal) => "give a finite normal that is not zero",
             Self::Position(PositionError::Volume(_)) => {

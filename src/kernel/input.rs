@@ -25,7 +25,7 @@ impl Input {
         if record.len() != columns.count {
             return Err(RowError::Fields { found: record.len(), wanted: columns.count });
         }
-        let number = |at: usize| number(record, columns, at);
+        let number = |at: usize| field_number(record, columns, at);
         let mut values = [0.0; 27];
         for (value, &at) in values.iter_mut().zip(&columns.cell) {
             *value = number(at)?;
@@ -54,10 +54,13 @@ impl Input {
     }
 }
 
-/// The finite number in a field.
-fn number(record: &StringRecord, columns: &Columns, at: usize) -> Result<f64, RowError> {
-    let field = record.get(at).unwrap_or_default().trim();
-    let wrong = || (columns.name(at).to_owned(), field.chars().take(SHOWN).collect());
+fn field_number(record: &StringRecord, columns: &Columns, at: usize) -> Result<f64, RowError> {
+    number(record.get(at).unwrap_or_default().trim(), columns.name(at))
+}
+
+/// The finite number in a field of a column.
+pub(super) fn number(field: &str, column: &str) -> Result<f64, RowError> {
+    let wrong = || (column.to_owned(), field.chars().take(SHOWN).collect());
     match field.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
         Ok(_) => {
@@ -77,5 +80,5 @@ fn reference_number(record: &StringRecord, columns: &Columns, at: usize) -> Resu
     if field.is_empty() || field.eq_ignore_ascii_case("nan") {
         return Ok(None);
     }
-    number(record, columns, at).map(Some)
+    field_number(record, columns, at).map(Some)
 }

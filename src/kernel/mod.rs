@@ -4,7 +4,8 @@
 //! - [`error`]: what can be wrong with a table; `columns`: which column is what; `rows`: the table in pieces;
 //! - `input`: a row as a cell and a plane; `compensated`: plane constants far from the origin;
 //!   `evaluate`: what the kernel says;
-//! - [`account`]: errors against reference columns, and everything for the terminal; `timing`: nanoseconds per cell.
+//! - [`account`]: errors against reference columns, and everything for the terminal; `timing`: nanoseconds per cell;
+//! - [`profile`]: planes that move through cells.
 //!
 //! **In**: a header and, in any order, the columns `x0, y0, z0, ... x7, y7, z7` (nodes in the order of
 //! `VTK_HEXAHEDRON`), `nx, ny, nz` (normal, out of the material, of any length but zero), and
@@ -34,6 +35,7 @@ mod compensated;
 pub mod error;
 mod evaluate;
 mod input;
+pub mod profile;
 mod rows;
 mod timing;
 
@@ -89,7 +91,7 @@ pub fn run(job: &Job) -> Result<Account, KernelError> {
     let mut rows = Rows::open(&job.input)?;
     let columns = Columns::of(rows.header(), job.task)
         .map_err(|problem| KernelError::Columns { path: job.input.clone(), problem })?;
-    check_output(job)?;
+    check_output(&job.input, &job.output, job.force)?;
     let mut account = Account::new(job.task, &columns);
     let mut failure = None;
     let written = write_file(&job.output, |out| {
@@ -105,17 +107,17 @@ pub fn run(job: &Job) -> Result<Account, KernelError> {
 }
 
 /// Refuses an output file that exists, or that would take the place of the input.
-fn check_output(job: &Job) -> Result<(), KernelError> {
-    let refused = |problem, help| Err(KernelError::Output { path: job.output.clone(), problem, help });
+fn check_output(input: &Path, output: &Path, force: bool) -> Result<(), KernelError> {
+    let refused = |problem, help| Err(KernelError::Output { path: output.to_owned(), problem, help });
     // The place of the file while it is not complete.
-    let mut partial = job.output.clone().into_os_string();
+    let mut partial = output.to_owned().into_os_string();
     partial.push(".partial");
-    let input = fs::canonicalize(&job.input).ok();
+    let input = fs::canonicalize(input).ok();
     let is_input = |path: &Path| input.is_some() && fs::canonicalize(path).ok() == input;
-    if is_input(&job.output) || is_input(Path::new(&partial)) {
+    if is_input(output) || is_input(Path::new(&partial)) {
         return refused("would take the place of the input file", "choose another one with --out");
     }
-    if !job.force && fs::symlink_metadata(&job.output).is_ok() {
+    if !force && fs::symlink_metadata(output).is_ok() {
         return refused("exists already", "choose another one with --out, or replace it with --force");
     }
     Ok(())

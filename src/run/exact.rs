@@ -27,8 +27,7 @@ pub(super) fn fractions<C: Cell<D>, const D: usize>(
     }
     if scene.mesh.motion.is_some() {
         // The material rests; what lay beyond the mesh at the start is not known.
-        let shapes: Vec<Shape<D>> = scene.materials.iter().map(|material| material.shape.clone()).collect();
-        return (!crossed).then(|| volume_fractions(mesh, &shapes));
+        return scene.shapes().filter(|_| !crossed).map(|shapes| volume_fractions(mesh, &shapes));
     }
     let motion = setup.velocity.rigid_motion(0.0, setup.plan.end)?;
     let is_translation = matches!(motion, RigidMotion::Translation { .. });
@@ -36,18 +35,18 @@ pub(super) fn fractions<C: Cell<D>, const D: usize>(
         return None;
     }
     let shapes: Option<Vec<Shape<D>>> = scene
-        .materials
+        .shapes()?
         .iter()
-        .map(|material| match motion {
-            RigidMotion::Identity => Some(material.shape.clone()),
+        .map(|shape| match motion {
+            RigidMotion::Identity => Some(shape.clone()),
             RigidMotion::Translation { shift } => {
-                Some(translated(&inside(&material.shape, mesh), &planar(&shift), mesh))
+                Some(translated(&inside(shape, mesh), &planar(&shift), mesh))
             }
             RigidMotion::Rotation { centre, axis, angle } => {
                 // What was cut off at the start is not there to be turned in.
                 let rotation = Rotation::from_axis_angle(axis, angle);
-                let whole = is_inside(&material.shape, mesh);
-                whole.then(|| material.shape.moved(&rotation, &planar(&centre), &Vector::zeros()))
+                let whole = is_inside(shape, mesh);
+                whole.then(|| shape.moved(&rotation, &planar(&centre), &Vector::zeros()))
             }
         })
         .collect();

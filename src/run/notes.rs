@@ -6,7 +6,7 @@ use super::output::Schedule;
 use super::plan::Plan;
 use crate::mesh::Mesh;
 use crate::scene::{Resolved, ReversalSetup, Still};
-use crate::shape::Body;
+use crate::shape::{Body, Shape};
 
 /// What is odd about cells, if anything is.
 fn odd_cells<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>) -> Option<String> {
@@ -15,11 +15,12 @@ fn odd_cells<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>) -> Option<String> {
     Some(format!("{count} odd but legal cells, such as {cell:?}: {}", first.defect))
 }
 
-/// What is odd about the mesh of a scene and about the surfaces of its bodies.
+/// What is odd about the mesh of a scene, the file that it comes from, and the surfaces of its bodies.
 pub(crate) fn of_start<C: Cell<D>, const D: usize>(scene: &Still<D>, mesh: &Mesh<C, D>) -> Vec<String> {
-    let mut notes: Vec<String> = odd_cells(mesh).into_iter().collect();
+    let of_file = scene.mesh.file.iter().flat_map(|file| file.notes.iter().cloned());
+    let mut notes: Vec<String> = of_file.chain(odd_cells(mesh)).collect();
     for material in &scene.materials {
-        let notices = material.shape.bodies().into_iter().flat_map(Body::notices);
+        let notices = material.shape.iter().flat_map(Shape::bodies).flat_map(Body::notices);
         notes.extend(notices.map(|notice| format!("\"{}\": {notice}", material.name)));
     }
     notes

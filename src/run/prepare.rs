@@ -12,7 +12,6 @@ use crate::mesh::{Grid, Mesh, MeshError, MeshMotion, MeshPath, MotionError, Moti
 use crate::metrics::material_volume;
 use crate::quantity::MaterialQuantity;
 use crate::scene::{Part, Resolved, SceneError, Stepping, Still};
-use crate::shape::Shape;
 use crate::space::spatial;
 use crate::velocity::{FaceFluxes, Reversal, Velocity};
 
@@ -75,7 +74,15 @@ pub fn still_mesh<C: Cell<D>, const D: usize>(scene: &Still<D>) -> Result<Mesh<C
 fn made<C: Cell<D>, const D: usize>(scene: &Still<D>) -> Result<Mesh<C, D>, SceneError> {
     let setup = &scene.mesh;
     let grid = Grid::new(setup.cells, scene.boundary.periodic);
-    Mesh::new(grid, setup.lower, setup.upper, &setup.distortion).map_err(|error| match error {
+    let made = match &setup.file {
+        Some(file) => Mesh::from_nodes(grid, file.nodes.clone()),
+        None => Mesh::new(grid, setup.lower, setup.upper, &setup.distortion),
+    };
+    let (of, repair) = match &setup.file {
+        Some(file) => (file.path.display().to_string(), "repair them in the file"),
+        None => ("the mesh".to_owned(), "lower the amplitude or the angle of mesh.distortion"),
+    };
+    made.map_err(|error| match error {
         MeshError::Distortion(_) => {
             scene.error(Part::Distortion, error.to_string(), "choose a number in that range")
         }
@@ -84,7 +91,7 @@ fn made<C: Cell<D>, const D: usize>(scene: &Still<D>) -> Result<Mesh<C, D>, Scen
                 bad.iter().map(|cell| format!("cell {:?}: {}", cell.cell, cell.defect)).collect();
             let mut cells: Vec<_> = bad.iter().map(|cell| &cell.cell).collect();
             cells.dedup();
-            let mut message = format!("{} of {total} cells of the mesh cannot be used:", cells.len());
+            let mut message = format!("{} of {total} cells of {of} cannot be used:", cells.len());
             for line in all.iter().take(NAMED_CELLS) {
                 message.push_str("\n  ");
                 message.push_str(line);
@@ -93,9 +100,10 @@ fn made<C: Cell<D>, const D: usize>(scene: &Still<D>) -> Result<Mesh<C, D>, Scen
                 message
                     .push_str(&format!("\n  and {} more; `vofkit check` lists all", all.len() - NAMED_CELLS));
             }
-            scene
-                .error(Part::Distortion, message, "lower the amplitude or the angle of mesh.distortion")
-                .with_details(all)
+            scene.error(Part::Distortion, message, repair).with_details(all)
+        }
+        _ if setup.file.is_some() => {
+            scene.error(Part::Mesh, format!("{of}: {error}"), "repair it in the file")
         }
         _ => scene.error(Part::Mesh, error.to_string(), "change mesh.cells, mesh.lower or mesh.upper"),
     })
@@ -109,8 +117,10 @@ pub fn fractions<C: Cell<D>, const D: usize>(
     scene: &Still<D>,
     mesh: &Mesh<C, D>,
 ) -> Result<Vec<Vec<f64>>, SceneError> {
-    let shapes: Vec<Shape<D>> = scene.materials.iter().map(|material| material.shape.clone()).collect();
-    let fractions = volume_fractions(mesh, &shapes);
+    let fractions = match (&scene.fractions, scene.shapes()) {
+        (Some(fractions), _) => fractions.clone(),
+        (None, shapes) => volume_fractions(mesh, &shapes.unwrap_or_default()),
+    };
     for (k, (material, fractions)) in scene.materials.iter().zip(&fractions).enumerate() {
         if material_volume(mesh, fractions) > 0.0 || material.allow_empty {
             continue;
@@ -122,7 +132,11 @@ pub fn fractions<C: Cell<D>, const D: usize>(
                 "there is nothing of the material \"{}\" in the domain from {lower} to {upper}",
                 material.name
             ),
-            "move its shape into the domain, or what covers it away; or set allow_empty = true in this [[material]]",
+            if material.shape.is_some() {
+                "move its shape into the domain, or what covers it away; or set allow_empty = true in this [[material]]"
+            } else {
+                "leave out this [[material]], or set allow_empty = true in it"
+            },
         ));
     }
     Ok(fractions)

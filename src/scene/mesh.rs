@@ -1,5 +1,8 @@
 //! `[mesh]`: the box, its cells and their distortion.
 
+use std::ops::Range;
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 use vofkit_geometry::Vector;
@@ -7,16 +10,18 @@ use vofkit_geometry::Vector;
 use super::context::{Context, Numbers, default};
 use super::error::SceneError;
 use super::motion::{self, MotionChoice};
+use crate::import::StructuredGrid;
 use crate::mesh::{Distortion, MeshMotion, axis_name};
 
 /// More cells than this would need more memory than machines have.
 const MOST_CELLS: usize = 1_000_000_000;
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, expecting = "a table with cells, lower, upper, distortion, motion")]
+#[serde(deny_unknown_fields, expecting = "a table with cells, lower, upper, distortion, motion, file")]
 pub(super) struct MeshSection {
     /// Cells per direction; their number, 2 or 3, is the number of dimensions.
-    pub(super) cells: Spanned<Vec<i64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cells: Option<Spanned<Vec<i64>>>,
     /// The lower corner of the box; zeros by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) lower: Option<Numbers>,
@@ -28,6 +33,9 @@ pub(super) struct MeshSection {
     /// How the mesh moves, in mode "remesh".
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) motion: Option<Spanned<MotionChoice>>,
+    /// A structured grid in place of the box, its path relative to the folder of the scene file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<Spanned<String>>,
 }
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -47,6 +55,17 @@ pub(super) enum DistortionChoice {
     },
 }
 
+/// The file has cells, corners and nodes.
+fn both(file: &Spanned<String>, other: &str, context: Context<'_>) -> SceneError {
+    context.error(
+        file.span(),
+        format!("mesh.file and mesh.{other} are both given"),
+        format!(
+            "leave out one of them: the cells and nodes of a file are used as they are, without mesh.{other}"
+        ),
+    )
+}
+
 fn no_distortion() -> Spanned<DistortionChoice> {
     default(DistortionChoice::None)
 }
@@ -64,19 +83,97 @@ pub struct MeshSetup<const D: usize> {
     pub distortion: Distortion,
     /// How they move over the run; none for a mesh that stands still.
     pub motion: Option<MeshMotion<D>>,
+    /// The nodes of the mesh, where they come from a file: the box is then only what they fill.
+    pub file: Option<MeshFile<D>>,
+}
+
+/// A mesh from a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshFile<const D: usize> {
+    /// The file.
+    pub path: PathBuf,
+    /// Its nodes, in the order of [`crate::mesh::Grid::node_index`].
+    pub nodes: Vec<Vector<D>>,
+    /// What one might not expect of it.
+    pub notes: Vec<String>,
 }
 
 impl MeshSection {
     /// The number of dimensions, 2 or 3.
-    pub(super) fn dimension(&self, context: Context<'_>) -> Result<usize, SceneError> {
-        match self.cells.get_ref().len() {
+    pub(super) fn dimension(
+        &self,
+        cells: &Spanned<Vec<i64>>,
+        context: Context<'_>,
+    ) -> Result<usize, SceneError> {
+        match cells.get_ref().len() {
             dimension @ (2 | 3) => Ok(dimension),
             count => Err(context.error(
-                self.cells.span(),
+                cells.span(),
                 format!("mesh.cells is a list of {count}"),
                 "give 2 numbers for a mesh of quadrilaterals or 3 for hexahedra",
             )),
         }
+    }
+
+    /// The place of what says which cells there are.
+    pub(super) fn place(&self) -> Range<usize> {
+        let cells = self.cells.as_ref().map(Spanned::span);
+        cells.or_else(|| self.file.as_ref().map(Spanned::span)).unwrap_or_default()
+    }
+
+    /// The number of dimensions, and the grid that a file gives.
+    pub(super) fn shape(
+        &self,
+        place: Range<usize>,
+        context: Context<'_>,
+    ) -> Result<(usize, Option<StructuredGrid>), SceneError> {
+        match (&self.cells, &self.file) {
+            (Some(cells), None) => Ok((self.dimension(cells, context)?, None)),
+            (None, Some(file)) => {
+                let grid = self.read(file, context)?;
+                Ok((grid.dimension(), Some(grid)))
+            }
+            (Some(_), Some(file)) => Err(both(file, "cells", context)),
+            (None, None) => Err(context.error(
+                place,
+                "missing key `cells`: the mesh has neither cells nor a file",
+                "give mesh.cells, such as cells = [32, 32], or mesh.file, a VTK structured grid (.vts)",
+            )),
+        }
+    }
+
+    fn read(&self, file: &Spanned<String>, context: Context<'_>) -> Result<StructuredGrid, SceneError> {
+        let given = |numbers: &Option<Numbers>| numbers.is_some();
+        let distorted = !self.distortion.span().is_empty();
+        let others =
+            [("lower", given(&self.lower)), ("upper", given(&self.upper)), ("distortion", distorted)];
+        if let Some((other, _)) = others.iter().find(|(_, given)| *given) {
+            return Err(both(file, other, context));
+        }
+        StructuredGrid::read(context.source.beside(file.get_ref()))
+            .map_err(|error| context.error(file.span(), error.to_string(), error.help()))
+    }
+
+    /// The mesh that a file gives.
+    pub(super) fn resolve_file<const D: usize>(
+        &self,
+        grid: &StructuredGrid,
+        context: Context<'_>,
+    ) -> Result<MeshSetup<D>, SceneError> {
+        let nodes = grid.nodes::<D>();
+        let first = nodes.first().copied().unwrap_or_else(Vector::zeros);
+        Ok(MeshSetup {
+            cells: grid.cells(),
+            lower: nodes.iter().fold(first, |low, x| low.inf(x)),
+            upper: nodes.iter().fold(first, |high, x| high.sup(x)),
+            distortion: Distortion::None,
+            motion: self.motion(context)?,
+            file: Some(MeshFile { path: grid.path().to_owned(), nodes, notes: grid.notes() }),
+        })
+    }
+
+    fn motion<const D: usize>(&self, context: Context<'_>) -> Result<Option<MeshMotion<D>>, SceneError> {
+        self.motion.as_ref().map(|motion| motion::resolve(motion, context)).transpose()
     }
 
     pub(super) fn resolve<const D: usize>(
@@ -108,14 +205,14 @@ impl MeshSection {
             DistortionChoice::Twist { angle } => Distortion::Twist { angle },
         };
         let cells = self.counts(context)?;
-        let motion = self.motion.as_ref().map(|motion| motion::resolve(motion, context)).transpose()?;
-        Ok(MeshSetup { cells, lower, upper: corner, distortion, motion })
+        Ok(MeshSetup { cells, lower, upper: corner, distortion, motion: self.motion(context)?, file: None })
     }
 
     fn counts<const D: usize>(&self, context: Context<'_>) -> Result<[usize; D], SceneError> {
-        let place = self.cells.span();
+        let place = self.place();
         let mut counts = [0; D];
-        for (axis, (count, &asked)) in counts.iter_mut().zip(self.cells.get_ref()).enumerate() {
+        let given = self.cells.iter().flat_map(|cells| cells.get_ref());
+        for (axis, (count, &asked)) in counts.iter_mut().zip(given).enumerate() {
             *count = usize::try_from(asked).ok().filter(|&n| n > 0).ok_or_else(|| {
                 context.error(
                     place.clone(),

@@ -1,8 +1,8 @@
 //! Scene files: what to run, in TOML, read into typed sections and resolved to the types of the toolkit.
 //!
 //! - `read`: the text of the file; `overrides`: values set on the command line;
-//! - `mesh`, `motion`, `shape`, `quantity`, `field`, `velocity`, `boundary`, `advection`, `output`: one section each, as it is written and what it
-//!   means;
+//! - `mesh`, `motion`, `material`, `shape`, `quantity`, `field`, `velocity`, `boundary`, `advection`, `output`: one section each, as it is
+//!   written and what it means;
 //! - `error`: what is wrong, with the place in the file; `wording`: names, and what the reader of TOML says;
 //! - this file: the whole scene.
 //!
@@ -13,6 +13,7 @@ mod boundary;
 mod context;
 mod error;
 mod field;
+mod material;
 mod mesh;
 mod motion;
 mod output;
@@ -34,6 +35,7 @@ pub use advection::{AdvectionSetup, Mode, Stepping, Substeps};
 pub use boundary::BoundarySetup;
 pub use error::{SceneError, Source};
 pub use field::{FieldSetup, Kind, Location, Method};
+pub use material::MaterialSetup;
 pub use mesh::MeshSetup;
 pub use output::OutputSetup;
 pub use quantity::QuantitySetup;
@@ -42,9 +44,11 @@ pub use velocity::ReversalSetup;
 pub(crate) use read::read_text;
 
 use context::{Context, default};
-use wording::{check_name, check_text, unreadable};
+use material::MaterialSection;
+use wording::{check_name, unreadable};
 
 use crate::advection::Boundary;
+use crate::import::StructuredGrid;
 use crate::interface::Reconstruction;
 use crate::shape::Shape;
 use crate::velocity::Field;
@@ -79,6 +83,8 @@ pub struct Still<const D: usize> {
     pub mesh: MeshSetup<D>,
     /// The materials, the first one on top.
     pub materials: Vec<MaterialSetup<D>>,
+    /// The fractions of all materials by cell, where they come from the file of the mesh.
+    pub fractions: Option<Vec<Vec<f64>>>,
     /// The boundary.
     pub boundary: BoundarySetup<D>,
     /// The interface reconstruction.
@@ -118,19 +124,7 @@ pub struct Draft {
     file: SceneFile,
     source: Source,
     dimension: usize,
-}
-
-/// A material and where it is at the start.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MaterialSetup<const D: usize> {
-    /// The name.
-    pub name: String,
-    /// The shape that it fills.
-    pub shape: Shape<D>,
-    /// Whether there may be nothing of it in the domain.
-    pub allow_empty: bool,
-    /// What belongs to it.
-    pub quantities: Vec<QuantitySetup<D>>,
+    grid: Option<StructuredGrid>,
 }
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -153,17 +147,6 @@ struct SceneFile {
     advection: Spanned<advection::AdvectionSection>,
     #[serde(default)]
     output: output::OutputSection,
-}
-
-#[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, expecting = "a table with name, shape, allow_empty, quantity")]
-struct MaterialSection {
-    name: Spanned<String>,
-    shape: Spanned<shape::ShapeChoice>,
-    #[serde(default)]
-    allow_empty: bool,
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    quantity: Vec<quantity::QuantitySection>,
 }
 
 fn no_advection() -> Spanned<advection::AdvectionSection> {
@@ -221,8 +204,8 @@ impl Draft {
         let name = read.name.get_or_insert_with(|| default(fallback.to_owned()));
         let context = Context { source: &source };
         check_name("the scene", name, context)?;
-        let dimension = read.mesh.get_ref().dimension(context)?;
-        Ok(Self { file: read, source, dimension })
+        let (dimension, grid) = read.mesh.get_ref().shape(read.mesh.span(), context)?;
+        Ok(Self { file: read, source, dimension, grid })
     }
 
     /// Whether the scene says anything of what moves.
@@ -236,8 +219,8 @@ impl Draft {
     /// Everything that can be found wrong without making the mesh.
     pub fn still(self) -> Result<StillScene, SceneError> {
         Ok(match self.dimension {
-            2 => StillScene::Plane(Box::new(Still::new(self.file, self.source)?)),
-            _ => StillScene::Space(Box::new(Still::new(self.file, self.source)?)),
+            2 => StillScene::Plane(Box::new(Still::new(self)?)),
+            _ => StillScene::Space(Box::new(Still::new(self)?)),
         })
     }
 
@@ -247,8 +230,8 @@ impl Draft {
     /// As [`Draft::still`], and a scene without a velocity.
     pub fn scene(self) -> Result<Scene, SceneError> {
         Ok(match self.dimension {
-            2 => Scene::Plane(Box::new(Resolved::new(Still::new(self.file, self.source)?)?)),
-            _ => Scene::Space(Box::new(Resolved::new(Still::new(self.file, self.source)?)?)),
+            2 => Scene::Plane(Box::new(Resolved::new(Still::new(self)?)?)),
+            _ => Scene::Space(Box::new(Resolved::new(Still::new(self)?)?)),
         })
     }
 }
@@ -361,12 +344,42 @@ impl<const D: usize> Resolved<D> {
 }
 
 impl<const D: usize> Still<D> {
-    fn new(mut file: SceneFile, source: Source) -> Result<Self, SceneError> {
+    fn new(Draft { mut file, source, grid, .. }: Draft) -> Result<Self, SceneError> {
         let context = Context { source: &source };
-        let mesh = file.mesh.get_mut().resolve(context)?;
-        let mut materials = materials::<D>(&file, context)?;
+        let mesh = match &grid {
+            Some(grid) => file.mesh.get_ref().resolve_file(grid, context)?,
+            None => file.mesh.get_mut().resolve(context)?,
+        };
+        if let (Some(grid), true) = (&grid, file.materials().is_empty()) {
+            let all: Vec<_> = grid.materials().map(MaterialSection::from_file).collect();
+            file.material = (!all.is_empty()).then(|| default(all));
+        }
+        if file.materials().is_empty() && file.field.is_empty() {
+            let place = file.material.as_ref().map(Spanned::span).unwrap_or_default();
+            return Err(context.error(
+                place,
+                if grid.is_some() {
+                    "neither the scene nor the file of the mesh has a material, and there is no field"
+                } else {
+                    "the scene has no material and no field"
+                },
+                "add a [[material]] section with a name and a shape, or a [[field]] section",
+            ));
+        }
+        let mut materials = material::resolve::<D>(file.materials(), grid.is_some(), context)?;
+        let fractions = match &grid {
+            Some(grid) => material::fractions(file.materials(), grid, file.mesh.get_ref().place(), context)?,
+            None => None,
+        };
         let names: Vec<String> = materials.iter().map(|material| material.name.clone()).collect();
-        let boundary = file.boundary.resolve(&names, context)?;
+        let boundary: BoundarySetup<D> = file.boundary.resolve(&names, context)?;
+        if let Some(axis) = (0..D).find(|&axis| grid.is_some() && boundary.periodic[axis]) {
+            return Err(context.error(
+                file.boundary.place(axis),
+                "the ends of a mesh from a file cannot be joined",
+                "use \"wall\" or \"outflow\" there",
+            ));
+        }
         for (k, (material, section)) in materials.iter_mut().zip(file.materials()).enumerate() {
             let flows_in = boundary.inflow == Some(k);
             material.quantities = quantity::resolve_all(&section.quantity, flows_in, &mesh, context)?;
@@ -374,7 +387,7 @@ impl<const D: usize> Still<D> {
         let reconstruction = file.reconstruction.resolve(context)?;
         let output = file.output.resolve(D, context)?;
         let name = file.name.as_ref().map(|name| name.get_ref().clone()).unwrap_or_default();
-        Ok(Self { name, mesh, materials, boundary, reconstruction, output, file, source })
+        Ok(Self { name, mesh, materials, fractions, boundary, reconstruction, output, file, source })
     }
 
     /// The scene as TOML with every default filled in, but for the advection.
@@ -385,6 +398,11 @@ impl<const D: usize> Still<D> {
     /// The normal method as scene files write it.
     pub fn normal_word(&self) -> &str {
         self.file.reconstruction.normal_word()
+    }
+
+    /// The shapes of the materials; none where the file of the mesh has their fractions.
+    pub fn shapes(&self) -> Option<Vec<Shape<D>>> {
+        self.materials.iter().map(|material| material.shape.clone()).collect()
     }
 
     /// The names of the materials.
@@ -420,11 +438,9 @@ impl<const D: usize> Still<D> {
             velocity.or_else(motion).unwrap_or_default()
         };
         match part {
-            Part::Mesh => file.mesh.get_ref().cells.span(),
-            Part::Distortion => {
-                given(file.mesh.get_ref().distortion.span(), file.mesh.get_ref().cells.span())
-            }
-            Part::Shape(material) => file.materials()[material].shape.span(),
+            Part::Mesh => file.mesh.get_ref().place(),
+            Part::Distortion => given(file.mesh.get_ref().distortion.span(), file.mesh.get_ref().place()),
+            Part::Shape(material) => given(file.materials()[material].place(), file.mesh.get_ref().place()),
             Part::Motion | Part::Field => moves(),
             Part::Initial(field) => file.field[field].initial_place(),
             Part::Boundary(axis) => given(file.boundary.place(axis), moves()),
@@ -455,41 +471,4 @@ impl SceneFile {
         }
         document.to_string()
     }
-}
-
-fn materials<const D: usize>(
-    file: &SceneFile,
-    context: Context<'_>,
-) -> Result<Vec<MaterialSetup<D>>, SceneError> {
-    if file.materials().is_empty() && file.field.is_empty() {
-        let place = file.material.as_ref().map(Spanned::span).unwrap_or_default();
-        return Err(context.error(
-            place,
-            "the scene has no material and no field",
-            "add a [[material]] section with a name and a shape, or a [[field]] section",
-        ));
-    }
-    let mut materials: Vec<MaterialSetup<D>> = Vec::new();
-    for MaterialSection { name, shape, allow_empty, .. } in file.materials() {
-        let text = name.get_ref();
-        check_text("the material", name, context)?;
-        if text == boundary::VOID {
-            return Err(context.error(
-                name.span(),
-                "a material cannot be called \"void\": that is where no material is",
-                "choose another name",
-            ));
-        }
-        if materials.iter().any(|other| other.name == *text) {
-            return Err(context.error(
-                name.span(),
-                format!("there are two materials called \"{text}\""),
-                "give each material a name of its own",
-            ));
-        }
-        let shape = shape::resolve(shape, context)?;
-        let quantities = Vec::new();
-        materials.push(MaterialSetup { name: text.clone(), shape, allow_empty: *allow_empty, quantities });
-    }
-    Ok(materials)
 }

@@ -82,8 +82,9 @@ fn reconstructed<C: Cell<D>, const D: usize>(scene: &Still<D>) -> Result<Sample,
     let (mut difference, mut hausdorff) = (0.0, None);
     for (k, material) in scene.materials.iter().enumerate() {
         let own: Vec<Facet<D>> = facets.iter().filter(|facet| facet.material == k).cloned().collect();
-        difference += plane_errors(&mesh, &own, &material.shape).iter().sum::<f64>();
-        if let (Shape::Sphere { centre, radius }, 0) = (&material.shape, k) {
+        let Some(shape) = &material.shape else { continue };
+        difference += plane_errors(&mesh, &own, shape).iter().sum::<f64>();
+        if let (Shape::Sphere { centre, radius }, 0) = (shape, k) {
             hausdorff = hausdorff_mean(&mesh, &own, centre, *radius);
         }
     }

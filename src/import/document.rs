@@ -1,0 +1,236 @@
+//! The parts of a `.vts` file: elements of XML, with numbers in them or appended behind them.
+
+use std::path::{Path, PathBuf};
+
+use roxmltree::Node;
+use vofkit_geometry::Vector;
+
+use super::array::{Coding, Compressor, Kind, Stream};
+use super::error::ImportError;
+
+/// What starts the appended numbers.
+const APPENDED: &[u8] = b"<AppendedData";
+
+const REWRITE: &str =
+    "write the file anew with its own program, as a VTK structured grid (.vts) in one piece";
+
+/// What precedes appended numbers is XML; the parts of it that matter.
+pub(super) struct Document<'a> {
+    path: PathBuf,
+    coding: Coding,
+    appended: Option<Stream<'a>>,
+    extent: [i64; 6],
+    points: Option<ArrayText>,
+    cell_data: Vec<ArrayText>,
+}
+
+/// An element `DataArray`.
+#[derive(Clone, Debug)]
+struct ArrayText {
+    name: String,
+    kind: String,
+    components: String,
+    format: String,
+    offset: String,
+    text: String,
+}
+
+impl ArrayText {
+    fn new(node: Node<'_, '_>, wanted: bool) -> Self {
+        let attribute = |name: &str| node.attribute(name).unwrap_or_default().trim().to_owned();
+        Self {
+            name: attribute("Name"),
+            kind: attribute("type"),
+            components: attribute("NumberOfComponents"),
+            format: attribute("format"),
+            offset: attribute("offset"),
+            text: if wanted { node.text().unwrap_or_default().to_owned() } else { String::new() },
+        }
+    }
+}
+
+impl<'a> Document<'a> {
+    /// Takes a file apart.
+    pub(super) fn parse(path: &Path, bytes: &'a [u8]) -> Result<Self, ImportError> {
+        let wrong = |problem: String| ImportError::Grid { path: path.to_owned(), problem, help: REWRITE };
+        let (header, behind) =
+            split(bytes).ok_or_else(|| wrong("its appended data have no start".to_owned()))?;
+        let text = std::str::from_utf8(header).map_err(|error| {
+            wrong(format!("it is no VTK XML file: not UTF-8 at byte {}", error.valid_up_to()))
+        })?;
+        let closed;
+        let text = if behind.is_some() {
+            closed = format!("{text}</AppendedData></VTKFile>");
+            &closed
+        } else {
+            text
+        };
+        let xml = roxmltree::Document::parse(text)
+            .map_err(|error| wrong(format!("it is no VTK XML file: {error}")))?;
+        let root = xml.root_element();
+        let kind = root.attribute("type").unwrap_or("nothing");
+        if !root.has_tag_name("VTKFile") || kind != "StructuredGrid" {
+            return Err(wrong(format!("it holds {kind}, not a StructuredGrid")));
+        }
+        let coding = coding(root).map_err(wrong)?;
+        let grid = child(root, "StructuredGrid");
+        let pieces: Vec<_> = grid
+            .map(|grid| grid.children().filter(|child| child.has_tag_name("Piece")).collect())
+            .unwrap_or_default();
+        let [piece] = pieces[..] else {
+            return Err(wrong(format!("it has {} pieces, not one", pieces.len())));
+        };
+        let extent = piece.attribute("Extent").or(grid.and_then(|grid| grid.attribute("WholeExtent")));
+        let extent = extent.unwrap_or_default();
+        let numbers: Vec<i64> = extent.split_ascii_whitespace().map_while(|word| word.parse().ok()).collect();
+        let extent = <[i64; 6]>::try_from(numbers)
+            .map_err(|_| wrong(format!("its extent \"{extent}\" is not six whole numbers")))?;
+        let arrays = |node: Node<'_, '_>, wanted: &dyn Fn(&str) -> bool| -> Vec<ArrayText> {
+            let arrays = node.children().filter(|child| child.has_tag_name("DataArray"));
+            arrays
+                .map(|array| ArrayText::new(array, wanted(array.attribute("Name").unwrap_or_default())))
+                .collect()
+        };
+        let appended =
+            behind.map(|bytes| match child(root, "AppendedData").and_then(|d| d.attribute("encoding")) {
+                Some("base64") => Stream::Base64(bytes),
+                _ => Stream::Raw(bytes),
+            });
+        Ok(Self {
+            path: path.to_owned(),
+            coding,
+            appended,
+            extent,
+            points: child(piece, "Points").and_then(|points| arrays(points, &|_| true).pop()),
+            cell_data: child(piece, "CellData")
+                .map(|data| arrays(data, &|name| name.starts_with(super::ALPHA)))
+                .unwrap_or_default(),
+        })
+    }
+
+    fn wrong(&self, problem: String) -> ImportError {
+        ImportError::Grid { path: self.path.clone(), problem, help: REWRITE }
+    }
+
+    /// Nodes along each axis.
+    pub(super) fn node_counts(&self) -> Result<[usize; 3], ImportError> {
+        let count = |axis: usize| {
+            let [first, last] = [self.extent[2 * axis], self.extent[2 * axis + 1]];
+            last.checked_sub(first)?
+                .checked_add(1)
+                .and_then(|count| usize::try_from(count).ok())
+                .filter(|&n| n > 0)
+        };
+        let counts = [count(0), count(1), count(2)];
+        let total = counts.iter().try_fold(1_usize, |total, &count| total.checked_mul(count?));
+        match (counts, total) {
+            ([Some(x), Some(y), Some(z)], Some(_)) => Ok([x, y, z]),
+            _ => Err(self.wrong(format!("its extent {:?} counts no nodes", self.extent))),
+        }
+    }
+
+    /// The nodes.
+    pub(super) fn points(&self, counts: [usize; 3]) -> Result<Vec<Vector<3>>, ImportError> {
+        let Some(array) = &self.points else { return Err(self.wrong("it has no points".to_owned())) };
+        let count = counts.iter().product::<usize>();
+        let numbers = self.numbers(array, 3, count)?;
+        if let Some(at) = numbers.iter().position(|number| !number.is_finite()) {
+            let problem = format!("has {:?} in node {}, component {}", numbers[at], at / 3, at % 3);
+            return Err(self.array_error(array, problem, "give every node finite coordinates"));
+        }
+        Ok(numbers.chunks_exact(3).map(|x| Vector::<3>::new(x[0], x[1], x[2])).collect())
+    }
+
+    /// The numbers of all cell arrays whose names start like this, by the rest of their names.
+    pub(super) fn cell_arrays(
+        &self,
+        start: &str,
+        counts: [usize; 3],
+    ) -> Result<Vec<(String, Vec<f64>)>, ImportError> {
+        let cells = counts.iter().map(|&count| (count - 1).max(1)).product::<usize>();
+        let named = self.cell_data.iter().filter_map(|array| Some((array.name.strip_prefix(start)?, array)));
+        let mut found: Vec<(String, Vec<f64>)> = Vec::new();
+        for (name, array) in named {
+            if found.iter().any(|(other, _)| other == name) {
+                return Err(self.array_error(
+                    array,
+                    "is there twice".to_owned(),
+                    "remove or rename one of them",
+                ));
+            }
+            found.push((name.to_owned(), self.numbers(array, 1, cells)?));
+        }
+        Ok(found)
+    }
+
+    fn array_error(&self, array: &ArrayText, problem: String, help: &'static str) -> ImportError {
+        let array = if array.name.is_empty() { "Points".to_owned() } else { array.name.clone() };
+        ImportError::Array { path: self.path.clone(), array, problem, help }
+    }
+
+    fn numbers(&self, array: &ArrayText, components: usize, count: usize) -> Result<Vec<f64>, ImportError> {
+        let wrong = |problem: String| self.array_error(array, problem, REWRITE);
+        let found = if array.components.is_empty() { "1" } else { &array.components };
+        if found.parse() != Ok(components) {
+            return Err(wrong(format!("has {found} components, not {components}")));
+        }
+        let count = count.checked_mul(components).ok_or_else(|| wrong("is too long".to_owned()))?;
+        let Some(kind) = Kind::parse(&array.kind) else {
+            return Err(wrong(format!("has the type \"{}\", which is no type of numbers", array.kind)));
+        };
+        let inline: Vec<u8>;
+        let stream = match array.format.as_str() {
+            "ascii" | "" => return Coding::ascii(&array.text, count).map_err(wrong),
+            "binary" => {
+                inline = array.text.bytes().filter(|byte| !byte.is_ascii_whitespace()).collect();
+                Some(Stream::Base64(&inline))
+            }
+            "appended" => {
+                let offset = if array.offset.is_empty() { "0" } else { &array.offset };
+                self.appended.and_then(|stream| stream.from(offset.parse().ok()?))
+            }
+            other => return Err(wrong(format!("has the unknown format \"{other}\""))),
+        };
+        let Some(stream) = stream else {
+            return Err(wrong(format!(
+                "is said to start at \"{}\" of the appended data, which is not there",
+                array.offset
+            )));
+        };
+        self.coding.binary(stream, kind, count).map_err(wrong)
+    }
+}
+
+/// The XML up to and with the start of appended data, and what follows the mark `_`; none without the mark.
+fn split(bytes: &[u8]) -> Option<(&[u8], Option<&[u8]>)> {
+    let Some(start) = bytes.windows(APPENDED.len()).position(|window| window == APPENDED) else {
+        return Some((bytes, None));
+    };
+    let end = start + bytes[start..].iter().position(|&byte| byte == b'>')? + 1;
+    let mark = end + bytes[end..].iter().position(|&byte| byte == b'_')? + 1;
+    Some((&bytes[..end], Some(&bytes[mark..])))
+}
+
+fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'input>> {
+    node.children().find(|child| child.has_tag_name(name))
+}
+
+fn coding(root: Node<'_, '_>) -> Result<Coding, String> {
+    let big_endian = match root.attribute("byte_order") {
+        Some("LittleEndian") | None => false,
+        Some("BigEndian") => true,
+        Some(other) => return Err(format!("its byte order is \"{other}\"")),
+    };
+    let word = match root.attribute("header_type") {
+        Some("UInt32") | None => 4,
+        Some("UInt64") => 8,
+        Some(other) => return Err(format!("its header type is \"{other}\"")),
+    };
+    let compressor = match root.attribute("compressor") {
+        None | Some("") => None,
+        Some("vtkZLibDataCompressor") => Some(Compressor::Zlib),
+        Some("vtkLZ4DataCompressor") => Some(Compressor::Lz4),
+        Some(other) => return Err(format!("it is compressed by {other}, not by zlib or LZ4")),
+    };
+    Ok(Coding { big_endian, word, compressor })
+}
