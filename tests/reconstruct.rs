@@ -44,6 +44,15 @@ fn every_still_scene_tells_the_truth_on_every_mesh() {
             let found = number(&material["volume"]);
             assert!((found / volume(&name) - 1.0).abs() <= 1e-9, "{tell}: {found}");
             assert!(number(&summary["microseconds_per_plane"]) > 0.0, "{tell}");
+            assert!(number(&summary["positions_per_plane"]) > 0.0, "{tell}");
+            let stages = summary["seconds"].as_object().unwrap();
+            assert!(stages.len() == 5 && stages.values().all(|seconds| number(seconds) >= 0.0), "{tell}");
+            let round = ["static_disc", "static_sphere"].contains(&name.as_str());
+            assert_eq!(material["hausdorff_mean"].is_number(), round, "{tell}");
+            let error = number(&material["symmetric_difference"]);
+            // A film's cells have no plane, or one of its two: anything but the two volumes themselves is possible.
+            let most = if name == "static_film" { 2.0 * found } else { 0.05 * found };
+            assert!(error <= most, "{tell}: {error}");
             fs::remove_dir_all(place.path("o")).unwrap();
         }
     }
@@ -60,6 +69,23 @@ fn the_area_of_a_disc_and_a_sphere_is_theirs() {
     assert!((circle - 1.0).abs() <= 0.01, "{circle}");
     let sphere = area("static_sphere", "mesh.cells=[24,24,24]") / (40.96 * std::f64::consts::PI);
     assert!((sphere - 1.0).abs() <= 0.01, "{sphere}");
+}
+
+#[test]
+fn errors_are_those_of_the_shape() {
+    let place = Place::new();
+    let error = |normal: &str, cells: usize, quantity: &str| {
+        let settings = [&format!("mesh.cells=[{cells},{cells}]"), &format!("reconstruction.normal={normal}")];
+        let summary = place.reconstruct("static_disc", "o", &settings.map(String::as_str));
+        number(&summary["materials"][0][quantity])
+    };
+    for quantity in ["symmetric_difference", "hausdorff_mean"] {
+        // A method of second order; one that takes the axis of the cells for the normal.
+        let [coarse, fine] = [15, 60].map(|cells| error("swartz", cells, quantity));
+        assert!(fine <= coarse / 10.0, "{quantity}: {coarse} {fine}");
+        let slic = error("slic", 60, quantity);
+        assert!(slic >= 10.0 * fine, "{quantity}: {slic} {fine}");
+    }
 }
 
 #[test]

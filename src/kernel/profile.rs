@@ -214,5 +214,10 @@ fn draw(path: &Path, profiles: &[Profile]) -> Result<(), ExportError> {
         .zip(&places)
         .map(|(profile, places)| Curve { name: &profile.name, values: places })
         .collect();
-    write_curves(path, ("f", &fractions), &curves, "d from tangent to tangent plane, over the volume fraction f")
+    write_curves(
+        path,
+        ("f", &fractions),
+        &curves,
+        "d from tangent to tangent plane, over the volume fraction f",
+    )
 }

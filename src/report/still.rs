@@ -23,6 +23,8 @@ pub struct StillSummary {
     pub threads: usize,
     /// Seconds from the start to the last file, but for this one.
     pub wall_seconds: f64,
+    /// Those that the stages took.
+    pub seconds: StageSeconds,
     /// The normal method.
     pub normal: String,
     /// Cells in which some material is mixed.
@@ -37,6 +39,8 @@ pub struct StillSummary {
     pub evaluations_per_position: Option<f64>,
     /// Plane constants found on the way to a normal, on average over the mixed cells; none without any.
     pub trials_per_plane: Option<f64>,
+    /// The same with the plane constants of the planes themselves.
+    pub positions_per_plane: Option<f64>,
     /// Microseconds for normal and plane constant of one material in one mixed cell: time that passed, with all threads at work;
     /// none without any.
     pub microseconds_per_plane: Option<f64>,
@@ -54,6 +58,21 @@ pub struct StillSummary {
     pub files: Vec<String>,
 }
 
+/// Seconds by stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct StageSeconds {
+    /// The mesh and what is precomputed of it.
+    pub mesh: f64,
+    /// Fractions from shapes, or their reading.
+    pub fractions: f64,
+    /// Normals and plane constants.
+    pub planes: f64,
+    /// Planes as polygons.
+    pub facets: f64,
+    /// The comparison with the shapes.
+    pub errors: f64,
+}
+
 /// The account of one material.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct StillMaterial {
@@ -65,6 +84,11 @@ pub struct StillMaterial {
     pub area: f64,
     /// Its planes.
     pub planes: CountsByStatus,
+    /// `E`: the volume of the symmetric difference of what its planes leave of their cells and its shape, without what other materials
+    /// cover; none without a shape.
+    pub symmetric_difference: Option<f64>,
+    /// The mean Hausdorff distance of its facets from its disc or sphere; none for other shapes, or covered ones.
+    pub hausdorff_mean: Option<f64>,
 }
 
 /// Mixed cells, one for each material in them, by [`CellStatus`](crate::interface::CellStatus).
@@ -132,12 +156,13 @@ pub fn text(summary: &StillSummary, folder: &Path) -> String {
     }
     rows.extend(summary.notes.iter().map(|note| ("note", note.clone())));
     let mut text = table::lines(&rows);
-    let header = ["material", "volume", "area", "planes", "undetermined", "without"].map(str::to_owned);
+    let header = ["material", "volume", "area", "E", "planes", "undetermined", "without"].map(str::to_owned);
     let row = |material: &StillMaterial| {
-        let StillMaterial { name, volume, area, planes } = material;
+        let StillMaterial { name, volume, area, planes, symmetric_difference, .. } = material;
+        let error = symmetric_difference.map_or_else(|| "-".to_owned(), |error| format!("{error:.3e}"));
         let without = planes.flat + planes.isolated + planes.balanced + planes.no_centroid;
         let counts = [planes.plane, planes.undetermined, without].map(|count| count.to_string());
-        [vec![name.clone(), format!("{volume:.6e}"), format!("{area:.6e}")], counts.to_vec()].concat()
+        [vec![name.clone(), format!("{volume:.6e}"), format!("{area:.6e}"), error], counts.to_vec()].concat()
     };
     let table: Vec<Vec<String>> =
         std::iter::once(header.to_vec()).chain(summary.materials.iter().map(row)).collect();

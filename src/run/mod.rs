@@ -6,7 +6,7 @@
 //! - `folder`, `history`, `table`, `output`, `series`, `planes`: what is written; [`draw`]: pictures, of the meshes that have them;
 //! - `checkpoint`: the state of a run, to go on from;
 //! - `fields`: the quantities that belong to the mesh; `quantities`: those that belong to the materials;
-//! - `exact`: the exact final state, where it is known; `tally`: running totals; `notes`: what one might not expect;
+//! - `exact`: the exact final state, where it is known; `shape_errors`: how far planes are from shapes; `tally`: running totals; `notes`: what one might not expect;
 //! - [`progress`]: who is told how far it is; [`threads`]: how many work.
 
 mod checkpoint;
@@ -26,6 +26,7 @@ pub mod progress;
 mod quantities;
 #[cfg(feature = "vtk")]
 mod series;
+pub(crate) mod shape_errors;
 pub mod still;
 mod table;
 mod tally;

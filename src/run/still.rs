@@ -2,7 +2,7 @@
 
 use std::io::Write;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::draw::Draw;
 use super::folder::{Folder, SUMMARY};
@@ -11,6 +11,7 @@ use super::output::{Beside, FIRST, Output};
 use super::planes::CellPlanes;
 use super::prepare;
 use super::progress::Progress;
+use super::shape_errors::ShapeErrors;
 use super::tally::{mixed_cells, not_asked_for};
 use super::{RunError, RunOptions};
 use crate::export::write_file;
@@ -20,7 +21,7 @@ use crate::mesh::Mesh;
 use crate::metrics::{facet_gap_mean, material_volume};
 use crate::normal::Material;
 use crate::parallel;
-use crate::report::still::{CountsByStatus, StillMaterial, StillSummary};
+use crate::report::still::{CountsByStatus, StageSeconds, StillMaterial, StillSummary};
 use crate::scene::Still;
 
 /// Reconstructs the interface of a scene and writes what it asks for: the files that a run writes at its start, and on the mesh
@@ -47,13 +48,16 @@ fn reconstructed<C: Draw<D>, const D: usize>(
 ) -> Result<StillSummary, RunError> {
     let clock = Instant::now();
     Folder::check(&options.folder, options.force)?;
+    let mut seconds = StageSeconds::default();
     progress.stage("mesh");
-    let mesh: Mesh<C, D> = prepare::still_mesh(scene)?;
+    let mesh: Mesh<C, D> = timed(&mut seconds.mesh, || prepare::still_mesh(scene))?;
     progress.stage("fractions");
-    let fractions = prepare::fractions(scene, &mesh)?;
+    let fractions = timed(&mut seconds.fractions, || prepare::fractions(scene, &mesh))?;
     progress.stage("planes");
-    let found = Found::new(scene, &mesh, &fractions)?;
-    let mut summary = found.summary(scene, &mesh, &fractions);
+    let found = Found::new(scene, &mesh, &fractions, &mut seconds)?;
+    progress.stage("errors");
+    let errors = timed(&mut seconds.errors, || found.errors(scene, &mesh));
+    let mut summary = found.summary(scene, &mesh, &fractions, &errors, seconds);
     summary.threads = options.threads;
 
     let folder = Folder::open(&options.folder, options.force)?;
@@ -72,6 +76,14 @@ fn reconstructed<C: Draw<D>, const D: usize>(
         return Err(error);
     }
     Ok(summary)
+}
+
+/// Does something and adds the seconds that it takes.
+fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
+    let clock = Instant::now();
+    let done = work();
+    *seconds += clock.elapsed().as_secs_f64();
+    done
 }
 
 fn write<C: Draw<D>, const D: usize>(
@@ -103,8 +115,6 @@ struct Found<const D: usize> {
     planes: Vec<CellPlanes<D>>,
     /// By material, then cell.
     facets: Vec<Facet<D>>,
-    /// What normals and plane constants took.
-    time: Duration,
 }
 
 impl<const D: usize> Found<D> {
@@ -112,18 +122,19 @@ impl<const D: usize> Found<D> {
         scene: &Still<D>,
         mesh: &Mesh<C, D>,
         fractions: &[Vec<f64>],
+        seconds: &mut StageSeconds,
     ) -> Result<Self, ReconstructionError> {
-        let mut found =
-            Self { counts: Vec::new(), planes: Vec::new(), facets: Vec::new(), time: Duration::ZERO };
-        for (material, fractions) in fractions.iter().enumerate() {
+        let mut found = Self { counts: Vec::new(), planes: Vec::new(), facets: Vec::new() };
+        for (k, fractions) in fractions.iter().enumerate() {
             check_fractions(mesh.grid(), fractions)?;
             let mixed: Vec<usize> = (0..fractions.len()).filter(|&cell| is_mixed(fractions[cell])).collect();
-            let clock = Instant::now();
-            let placed = planes(Material { mesh, fractions, centroids: None }, &mixed, scene.reconstruction)?;
-            found.time += clock.elapsed();
+            let material = Material { mesh, fractions, centroids: None };
+            let placed = timed(&mut seconds.planes, || planes(material, &mixed, scene.reconstruction))?;
             let mut counts = Counts::default();
             placed.iter().for_each(|placed| counts.count(placed));
-            let facets = parallel::map(mixed.len(), |i| facet(mesh, mixed[i], material, &placed[i]));
+            let facets = timed(&mut seconds.facets, || {
+                parallel::map(mixed.len(), |i| facet(mesh, mixed[i], k, &placed[i]))
+            });
             let facets: Vec<Facet<D>> = facets.into_iter().flatten().collect();
             if scene.output.fields {
                 found.planes.push(CellPlanes::new(fractions, &mixed, &placed, &facets));
@@ -134,15 +145,29 @@ impl<const D: usize> Found<D> {
         Ok(found)
     }
 
+    /// How far the planes of each material are from its shape.
+    fn errors<C: Draw<D>>(&self, scene: &Still<D>, mesh: &Mesh<C, D>) -> Vec<ShapeErrors> {
+        let Some(shapes) = scene.shapes() else { return vec![ShapeErrors::default(); self.counts.len()] };
+        let of_material = |k: usize| {
+            let own: Vec<Facet<D>> =
+                self.facets.iter().filter(|facet| facet.material == k).cloned().collect();
+            ShapeErrors::new(mesh, &own, &shapes[..=k])
+        };
+        (0..shapes.len()).map(of_material).collect()
+    }
+
     /// The account; what is written and how long all of it took is left open.
     fn summary<C: Draw<D>>(
         &self,
         scene: &Still<D>,
         mesh: &Mesh<C, D>,
         fractions: &[Vec<f64>],
+        errors: &[ShapeErrors],
+        seconds: StageSeconds,
     ) -> StillSummary {
         let mut all = Counts::default();
         self.counts.iter().for_each(|counts| all.add(counts));
+        let per_plane = |sum: f64| (all.mixed > 0).then(|| sum / all.mixed as f64);
         let material = |k: usize| {
             let own = self.facets.iter().filter(|facet| facet.material == k);
             StillMaterial {
@@ -150,6 +175,8 @@ impl<const D: usize> Found<D> {
                 volume: material_volume(mesh, &fractions[k]),
                 area: own.map(|facet| facet.area).sum(),
                 planes: CountsByStatus::from(&self.counts[k]),
+                symmetric_difference: errors[k].symmetric_difference,
+                hausdorff_mean: errors[k].hausdorff_mean,
             }
         };
         StillSummary {
@@ -163,8 +190,10 @@ impl<const D: usize> Found<D> {
             positions_closed_form: all.closed_form,
             positions_iterative: all.iterative,
             evaluations_per_position: all.evaluations_per_position(),
-            trials_per_plane: (all.mixed > 0).then(|| all.trials as f64 / all.mixed as f64),
-            microseconds_per_plane: (all.mixed > 0).then(|| self.time.as_secs_f64() * 1e6 / all.mixed as f64),
+            trials_per_plane: per_plane(all.trials as f64),
+            positions_per_plane: per_plane((all.trials + all.closed_form + all.iterative) as f64),
+            microseconds_per_plane: per_plane(seconds.planes * 1e6),
+            seconds,
             facet_gap_mean: facet_gap_mean(mesh, &self.facets),
             skipped_outputs: not_asked_for(&scene.output),
             notes: of_start(scene, mesh),

@@ -144,7 +144,7 @@ impl MeshSection {
 
     fn read(&self, file: &Spanned<String>, context: Context<'_>) -> Result<StructuredGrid, SceneError> {
         let given = |numbers: &Option<Numbers>| numbers.is_some();
-        let distorted = !self.distortion.span().is_empty();
+        let distorted = !matches!(self.distortion.get_ref(), DistortionChoice::None);
         let others =
             [("lower", given(&self.lower)), ("upper", given(&self.upper)), ("distortion", distorted)];
         if let Some((other, _)) = others.iter().find(|(_, given)| *given) {

@@ -11,11 +11,10 @@ use super::subject::{along_axis, mean, repeated};
 use crate::facet::Facet;
 use crate::interface::{Counts, is_mixed, planes, reconstruct};
 use crate::mesh::Mesh;
-use crate::metrics::{hausdorff_mean, plane_errors};
 use crate::normal::Material;
+use crate::run::shape_errors::ShapeErrors;
 use crate::run::{RunError, prepare};
 use crate::scene::{Still, StillScene};
-use crate::shape::Shape;
 
 /// What is known of one sample.
 struct Sample {
@@ -80,13 +79,12 @@ fn reconstructed<C: Cell<D>, const D: usize>(scene: &Still<D>) -> Result<Sample,
     }
     let facets = reconstruct(&mesh, &fractions, scene.reconstruction)?.facets;
     let (mut difference, mut hausdorff) = (0.0, None);
-    for (k, material) in scene.materials.iter().enumerate() {
+    let shapes = scene.shapes().unwrap_or_default();
+    for k in 0..shapes.len() {
         let own: Vec<Facet<D>> = facets.iter().filter(|facet| facet.material == k).cloned().collect();
-        let Some(shape) = &material.shape else { continue };
-        difference += plane_errors(&mesh, &own, shape).iter().sum::<f64>();
-        if let (Shape::Sphere { centre, radius }, 0) = (shape, k) {
-            hausdorff = hausdorff_mean(&mesh, &own, centre, *radius);
-        }
+        let errors = ShapeErrors::new(&mesh, &own, &shapes[..=k]);
+        difference += errors.symmetric_difference.unwrap_or_default();
+        hausdorff = hausdorff.or(errors.hausdorff_mean);
     }
     let memory = prepare::still_memory(scene);
     let cells_along_axis = along_axis(&scene.mesh.cells);

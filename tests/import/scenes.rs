@@ -22,7 +22,12 @@ fn what_was_reconstructed_is_reconstructed_again() {
         for key in ["dimension", "cells", "cells_per_direction", "mixed_cells", "planes"] {
             assert_eq!(first[key], again[key], "{name}: {key}");
         }
-        assert_eq!(first["materials"], again["materials"], "{name}");
+        // Without the shape nobody knows how far the planes are from it.
+        let mut unjudged = first["materials"].clone();
+        for key in ["symmetric_difference", "hausdorff_mean"] {
+            assert!(unjudged[0][key].take().is_f64(), "{name}: {key}");
+        }
+        assert_eq!(unjudged, again["materials"], "{name}");
         for file in ["interface_0000.obj", "interface_0000.vtp", "fields_0000.vts"] {
             let [a, b] = [name, "again"].map(|out| std::fs::read(place.path(out).join(file)).unwrap());
             assert!(a == b, "{name}: {file} differs");

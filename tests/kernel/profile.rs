@@ -73,11 +73,11 @@ fn what_is_wrong_is_named_with_its_line() {
         (String::new(), &["the file is empty"][..]),
         (header.replacen("x3,", "a,", 1), &["missing column: x3"]),
         (header.replacen("x3,", "x2,", 1), &["`x2` is there twice"]),
-        (row("square,0,0", "bow-tie,1,1"), &["in.csv:3", "a cell that cannot be used", "VTK_HEXAHEDRON"]),
-        (row("square,0,0", "odd,nan,0"), &["in.csv:3", "`x0`", "nan"]),
-        (row("square,0,0", "odd,zero,0"), &["in.csv:3", "`x0`", "zero"]),
-        (row("0.8,0.6", "0,0"), &["in.csv:3", "normal"]),
-        (row("square,", "square,1,"), &["in.csv:3", "fields"]),
+        (row("square,0,0", "bow-tie,1,1"), &["line 3", "a cell that cannot be used", "VTK_HEXAHEDRON"]),
+        (row("square,0,0", "odd,nan,0"), &["line 3", "`x0`", "nan"]),
+        (row("square,0,0", "odd,zero,0"), &["line 3", "`x0`", "zero"]),
+        (row("0.8,0.6", "0,0"), &["line 3", "normal"]),
+        (row("square,", "square,1,"), &["line 3", "fields"]),
     ];
     for (text, words) in cases {
         let place = Place::new();
