@@ -143,13 +143,19 @@ fn nodes_and_points_are_carried_with_materials() {
     assert!(number(&his["l1_error"]) < 0.5 * number(&sale["l1_error"]), "{his} {sale}");
 }
 
-/// Two materials, a density, a strain at points and velocities at nodes over one moving mesh.
+/// Two materials, each with a density, a density of all, a strain at points and velocities at nodes over one moving mesh.
 #[test]
 fn a_whole_transport_step_keeps_everything() {
     let place = Place::new();
     let summary = place.run("fields/mmale_step", "m", &["mesh.cells=[16,16]"]);
-    for name in ["density", "strain", "velocity"] {
+    for name in ["total_density", "strain", "velocity"] {
         assert!(number(&field(&summary, name)["conserved"]).abs() <= 1e-13, "{name}");
+    }
+    let quantities = summary["quantities"].as_array().unwrap();
+    assert_eq!(quantities.len(), 2);
+    for quantity in quantities {
+        assert_eq!(quantity["name"], "density");
+        assert!(number(&quantity["conserved"]).abs() <= 1e-13, "{quantity}");
     }
     for material in summary["materials"].as_array().unwrap() {
         assert!(number(&material["volume_drift"]).abs() <= 1e-12, "{material}");

@@ -276,7 +276,6 @@ fn what_is_wrong_in_added_lines_is_named_too() {
         (END, "[boundary]\nz = [\"wall\", \"wall\"]", &["no z direction", "leave out"]),
         (END, "[output]\ntimes = [-1.0]", &["-1", "at least 0"]),
         (END, "[output]\ninterface = [\"stl\"]", &["\"stl\" is not known", "obj, vtk"]),
-        (NAME, "[[material]]\nname = \"disc\"", &["missing key `shape`"]),
         (END, "[[fields]]\nname = \"t\"", &["unknown key `fields`"]),
         (END, "[[field]]\nname = \"t\"", &["missing key `initial`"]),
     ];
@@ -287,6 +286,9 @@ fn what_is_wrong_in_added_lines_is_named_too() {
         let named = if lines.starts_with("[[") { lines.lines().next().unwrap() } else { last };
         assert_answered(&text, named, answer);
     }
+    // A material that is nowhere is pointed at by its name.
+    let text = SCENE.replace(NAME, &format!("{NAME}\n[[material]]\nname = \"disc\""));
+    assert_answered(&text, "name = \"disc\"", &["missing key `shape`"]);
 }
 
 /// Both `check` and `run` fail with file, line and these words, and leave nothing behind.
