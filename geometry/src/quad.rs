@@ -171,11 +171,13 @@ impl Monotone for Along<'_> {
                 let width = high - low;
                 let middle = self.volume(low + 0.5 * width).value;
                 // area(low + t width) = below + t (linear + t square)
-                let linear = 4.0 * (middle - below) - (upto - below);
+                // A section is not shorter than none: at a corner rounding would have it.
+                let linear = (4.0 * (middle - below) - (upto - below)).max(0.0);
                 let square = 2.0 * ((upto - below) - 2.0 * (middle - below));
                 let wanted = target - below;
                 let root = (linear * linear + 4.0 * square * wanted).max(0.0).sqrt();
-                let t = if wanted > 0.0 { 2.0 * wanted / (linear + root) } else { 0.0 };
+                // The root vanishes where its square is too small for a number, and so is `t`.
+                let t = if linear + root > 0.0 { 2.0 * wanted / (linear + root) } else { 0.0 };
                 return Some((low + t.min(1.0) * width, evaluations + 1));
             }
             (low, below) = (high, upto);

@@ -4,7 +4,7 @@ mod common;
 
 use common::{Random, corner};
 use vofkit_geometry::clip::{Polyhedron, Region, Side};
-use vofkit_geometry::{Cell, HalfSpace, Hexahedron, Quad, Vector};
+use vofkit_geometry::{Cell, HalfSpace, Hexahedron, PositionMethod, Quad, Vector};
 
 fn length_of_the_normal_does_not_matter<const D: usize, C: Cell<D>>() {
     let mut random = Random(1);
@@ -96,5 +96,26 @@ fn region_cut_along_a_subnormal_normal() {
             _ => whole.volume(),
         };
         assert!((sum - whole.volume()).abs() <= 1e-14, "{length:e}: {sum} {}", whole.volume());
+    }
+}
+
+/// Rounding gave the section at a corner a length below zero, and the plane for a part far below rounding lay at the next corner.
+#[test]
+fn a_part_of_a_quadrilateral_far_below_rounding() {
+    let cell = Quad::new(
+        [[0.440234375, 0.440234375], [1.0, 0.440234375], [1.0, 1.0], [0.5609375, 1.0]].map(Vector::from),
+    );
+    let mut random = Random(3);
+    let normals = std::iter::repeat_with(|| random.unit::<2>()).take(100);
+    for normal in normals.chain([Vector::<2>::new(-0.33325700406252073, 0.9428360245786501)]) {
+        for fraction in [1e-15, 1e-100, 1e-300, 5e-324] {
+            let found = cell.plane_constant(&normal, fraction, PositionMethod::Auto).expect("a plane");
+            let constant = found.constant;
+            let volume = cell.truncate(&HalfSpace { normal, constant }).volume;
+            assert!(
+                volume <= 1e-14 * cell.volume(),
+                "{fraction:e} along {normal}: {found:?} leaves {volume:e}"
+            );
+        }
     }
 }
