@@ -2,9 +2,8 @@
 
 mod common;
 
-use common::{Mesh2, Mesh3, random, steady, unit_mesh};
+use common::{Mesh2, Mesh3, fixed, random, steady, unit_mesh};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use vofkit::advection::{
     Ledger, Remesh, Scheme, Settings, StepError, SweepAxes, SweepOrder, Transport, remap,
 };
@@ -153,12 +152,7 @@ fn every_scheme_carries_quantities_in_3d() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 12,
-        rng_seed: RngSeed::Fixed(20_261_126),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    })]
+    #![proptest_config(fixed(12, 20_261_126))]
 
     #[test]
     fn quantities_are_carried_through_open_ends(
