@@ -12,7 +12,7 @@
 //! 6. [`volume_associated`] and [`nodal`]: the same for quantities of the mesh and its nodes;
 //! 7. [`metrics`]: numbers that judge a result; [`export`]: files for viewers.
 //!
-//! [`body_file`] reads bodies for shapes.
+//! [`body_file`] reads bodies for shapes. A [`stopwatch`] tells how long the phases of steps take.
 //!
 //! With the feature `import`, `import` reads meshes and fractions of other programs. With the feature `cli`, `scene` reads scene files,
 //! `run` runs them, `report` sums up, `kernel` takes tables of cells and planes through the geometry kernel, `study` runs combinations of
@@ -62,6 +62,7 @@ pub mod run;
 pub mod scene;
 pub mod shape;
 mod space;
+pub mod stopwatch;
 #[cfg(feature = "cli")]
 pub mod stress;
 #[cfg(all(feature = "cli", feature = "plot"))]

@@ -14,6 +14,7 @@ use crate::interface::{
 };
 use crate::mesh::Mesh;
 use crate::parallel;
+use crate::stopwatch::Stopwatch;
 use crate::tolerance::FRACTION_ROUNDING;
 
 /// The shares of all materials in mixed cells.
@@ -47,6 +48,7 @@ impl<const D: usize> Nested<D> {
         fractions: &[Vec<f64>],
         cells: impl Iterator<Item = usize>,
         mut method: Reconstruction,
+        stopwatch: &mut Stopwatch,
     ) -> Result<Counts, ReconstructionError> {
         if method.materials == Materials::Independent {
             method.materials = Materials::Nested;
@@ -56,7 +58,7 @@ impl<const D: usize> Nested<D> {
         cells.filter(mixed).for_each(|cell| self.cells.insert(cell));
         let cells: Vec<usize> = self.cells.items().iter().map(|&cell| cell as usize).collect();
         let mut counts = Counts::default();
-        let planes = planes_of_all(mesh, fractions, &cells, method, &mut counts)?;
+        let planes = planes_of_all(mesh, fractions, &cells, method, &mut counts, stopwatch)?;
         self.components = fractions.len() + 1;
         self.shares.clear();
         self.shares.resize(cells.len() * self.components, None);
@@ -85,6 +87,7 @@ impl<const D: usize> Nested<D> {
         for result in results {
             counts.add(&result?);
         }
+        stopwatch.lap(|seconds| &mut seconds.positions);
         Ok(counts)
     }
 }

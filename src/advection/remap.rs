@@ -17,6 +17,7 @@ use crate::mesh::Mesh;
 use crate::mesh::locate::Locator;
 use crate::parallel;
 use crate::quantity::{QuantityError, State};
+use crate::stopwatch::Stopwatch;
 
 /// A remapping that cannot be done.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -75,7 +76,8 @@ pub fn remap<C: Cell<D>, const D: usize>(
         return Ok((remapped, ledger));
     }
     let mut nested = Nested::new(from.grid().len());
-    ledger.counts = nested.place(from, fractions, 0..from.grid().len(), reconstruction)?;
+    let untimed = &mut Stopwatch::default();
+    ledger.counts = nested.place(from, fractions, 0..from.grid().len(), reconstruction, untimed)?;
     let locator = Locator::new(from);
     let carried = carried(quantities, materials);
     let mut carry = Carry::new();

@@ -23,6 +23,7 @@ use crate::interface::check_fractions;
 use crate::mesh::{Mesh, SweptVolumes};
 use crate::quanta::Quanta;
 use crate::quantity::{self, MaterialQuantity};
+use crate::stopwatch::Stopwatch;
 use crate::tolerance::END_SLIDING;
 
 /// Moves the fractions of materials that rest from one place of a mesh to the next.
@@ -72,18 +73,34 @@ impl<const D: usize> Remesh<D> {
         quantities: &mut [MaterialQuantity],
         step: usize,
     ) -> Result<Ledger, StepError> {
+        self.step_timed([from, to], fractions, quantities, step, &mut Stopwatch::default())
+    }
+
+    /// The same with its phases timed.
+    ///
+    /// # Errors
+    /// Those of [`Remesh::step_carrying`].
+    pub fn step_timed<C: Cell<D>>(
+        &mut self,
+        [from, to]: [&Mesh<C, D>; 2],
+        fractions: &mut [Vec<f64>],
+        quantities: &mut [MaterialQuantity],
+        step: usize,
+        stopwatch: &mut Stopwatch,
+    ) -> Result<Ledger, StepError> {
         for fractions in fractions.iter() {
             check_fractions(from.grid(), fractions)?;
         }
         quantity::check(from.grid(), fractions, quantities, self.settings.inflow)?;
         let mut cargo = Cargo { fractions, quantities };
         let mut ledger = match self.settings.scheme {
-            Scheme::Unsplit | Scheme::Remap => self.at_once(from, to, &mut cargo),
-            _ => self.in_sweeps(from, to, &mut cargo, step),
+            Scheme::Unsplit | Scheme::Remap => self.at_once(from, to, &mut cargo, stopwatch),
+            _ => self.in_sweeps([from, to], &mut cargo, step, stopwatch),
         }?;
         if let Some(below) = self.settings.wisps {
             wisps::remove(to, &mut cargo, below, &mut ledger);
         }
+        stopwatch.lap(|seconds| &mut seconds.update);
         Ok(ledger)
     }
 
@@ -93,6 +110,7 @@ impl<const D: usize> Remesh<D> {
         from: &Mesh<C, D>,
         to: &Mesh<C, D>,
         cargo: &mut Cargo<'_>,
+        stopwatch: &mut Stopwatch,
     ) -> Result<Ledger, StepError> {
         let boundary = self.boundary_of(from, &[SweptVolumes::new(from, to)?])?;
         boundary.check_inflow(cargo.fractions.len())?;
@@ -120,16 +138,16 @@ impl<const D: usize> Remesh<D> {
             reconstruction: self.settings.reconstruction,
             overdraft: self.settings.overdraft,
         };
-        Unsplit::new(from).advance(&step, cargo, &mut ledger)?;
+        Unsplit::new(from).advance(&step, cargo, &mut ledger, stopwatch)?;
         Ok(ledger)
     }
 
     fn in_sweeps<C: Cell<D>>(
         &mut self,
-        from: &Mesh<C, D>,
-        to: &Mesh<C, D>,
+        [from, to]: [&Mesh<C, D>; 2],
         cargo: &mut Cargo<'_>,
         step: usize,
+        stopwatch: &mut Stopwatch,
     ) -> Result<Ledger, StepError> {
         let turns = turns::<D>(self.settings.order, step);
         let at_once = self.settings.scheme == Scheme::Isotropic;
@@ -147,6 +165,7 @@ impl<const D: usize> Remesh<D> {
         let rules = Rules {
             grid: from.grid(),
             boundary: &boundary,
+            volumes: from.volumes(),
             quanta,
             reconstruction: self.settings.reconstruction,
             overdraft: self.settings.overdraft,
@@ -164,7 +183,7 @@ impl<const D: usize> Remesh<D> {
         } else {
             turns.iter().map(|turn| Stage::along_mesh_lines(from, turn)).collect()
         };
-        self.sweeps.run(&rules, &stages, &mut self.band, from.volumes(), cargo, |offset, outward| {
+        self.sweeps.run(&rules, &stages, &mut self.band, cargo, stopwatch, |offset, outward| {
             for (outward, leg) in outward.iter_mut().zip(&legs) {
                 let through = |face: usize| quanta.round(leg.through(offset, face / 2, face % 2));
                 *outward = outward_volumes::<C, D>(from.grid(), &boundary, offset, through);

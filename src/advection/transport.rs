@@ -17,6 +17,7 @@ use crate::interface::{ReconstructionError, check_fractions};
 use crate::mesh::{Mesh, MotionError};
 use crate::quantity::{self, MaterialQuantity, QuantityError};
 use crate::space::{planar, spatial};
+use crate::stopwatch::Stopwatch;
 use crate::velocity::{FaceFluxes, FluxRange, Velocity};
 
 /// A transport that cannot be set up.
@@ -202,11 +203,27 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
         start: f64,
         end: f64,
     ) -> Result<Ledger, StepError> {
+        self.step_timed(fractions, quantities, step, [start, end], &mut Stopwatch::default())
+    }
+
+    /// The same with its phases timed.
+    ///
+    /// # Errors
+    /// Those of [`Transport::step_carrying`].
+    pub fn step_timed(
+        &mut self,
+        fractions: &mut [Vec<f64>],
+        quantities: &mut [MaterialQuantity],
+        step: usize,
+        times: [f64; 2],
+        stopwatch: &mut Stopwatch,
+    ) -> Result<Ledger, StepError> {
         let mut cargo = Cargo { fractions, quantities };
-        let mut ledger = self.go(&mut cargo, step, [start, end])?;
+        let mut ledger = self.go(&mut cargo, step, times, stopwatch)?;
         if let Some(below) = self.settings.wisps {
             wisps::remove(self.mesh, &mut cargo, below, &mut ledger);
         }
+        stopwatch.lap(|seconds| &mut seconds.update);
         Ok(ledger)
     }
 
@@ -215,6 +232,7 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
         Cargo { fractions, quantities }: &mut Cargo<'_>,
         step: usize,
         [start, end]: [f64; 2],
+        stopwatch: &mut Stopwatch,
     ) -> Result<Ledger, StepError> {
         self.boundary.check_inflow(fractions.len())?;
         let duration = self.velocity.duration(start, end);
@@ -245,7 +263,7 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
                 reconstruction: self.settings.reconstruction,
                 overdraft: self.settings.overdraft,
             };
-            unsplit.advance(&step, &mut Cargo { fractions, quantities }, &mut ledger)?;
+            unsplit.advance(&step, &mut Cargo { fractions, quantities }, &mut ledger, stopwatch)?;
             return Ok(ledger);
         }
         let turns = turns::<D>(self.settings.order, step);
@@ -254,6 +272,7 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
         let rules = Rules {
             grid: self.mesh.grid(),
             boundary: &self.boundary,
+            volumes: self.mesh.volumes(),
             quanta: fluxes.quanta(),
             reconstruction: self.settings.reconstruction,
             overdraft: self.settings.overdraft,
@@ -286,7 +305,7 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
             }
         };
         let cargo = &mut Cargo { fractions, quantities };
-        self.sweeps.run(&rules, &stages, &mut self.band, self.mesh.volumes(), cargo, outward)
+        self.sweeps.run(&rules, &stages, &mut self.band, cargo, stopwatch, outward)
     }
 }
 

@@ -27,6 +27,7 @@ use crate::mesh::Mesh;
 use crate::mesh::locate::Locator;
 use crate::parallel;
 use crate::quantity::State;
+use crate::stopwatch::Stopwatch;
 use crate::tolerance::{FRACTION_EXCESS, LARGEST_RADIUS};
 
 /// What stays from step to step.
@@ -142,13 +143,15 @@ impl<const D: usize> Unsplit<D> {
         step: &Step<'_, C, D>,
         cargo: &mut Cargo<'_>,
         ledger: &mut Ledger,
+        stopwatch: &mut Stopwatch,
     ) -> Result<(), StepError> {
+        stopwatch.lap(|seconds| &mut seconds.update);
         let Cargo { fractions, quantities } = cargo;
         let Self { locator, nested, traces, findings, volumes, carry } = self;
         let materials = fractions.len();
         let cells = &step.band.cells()[..];
         let band = || cells.iter().map(|&cell| cell as usize);
-        ledger.counts.add(&nested.place(step.mesh, fractions, band(), step.reconstruction)?);
+        ledger.counts.add(&nested.place(step.mesh, fractions, band(), step.reconstruction, stopwatch)?);
         traces.trace(step.mesh, step.displacement, cells);
         let carried = carried(quantities, materials);
         if !quantities.is_empty() {
@@ -173,6 +176,7 @@ impl<const D: usize> Unsplit<D> {
                 }
             },
         );
+        stopwatch.lap(|seconds| &mut seconds.fluxes);
         let offset = |slot: usize| step.mesh.grid().offset(cells[slot] as usize).to_vec();
         if let Some(slot) = findings.iter().position(|finding| finding.held.is_err()) {
             return Err(StepError::Folded { cell: offset(slot), fraction: f64::NAN });
@@ -236,7 +240,8 @@ pub(crate) fn step_with_fluxes<C: Cell<D>, const D: usize>(
         reconstruction,
         overdraft: false,
     };
-    Unsplit::new(mesh).advance(&step, &mut Cargo { fractions, quantities }, &mut ledger)?;
+    let cargo = &mut Cargo { fractions, quantities };
+    Unsplit::new(mesh).advance(&step, cargo, &mut ledger, &mut Stopwatch::default())?;
     Ok(ledger)
 }
 

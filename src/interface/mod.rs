@@ -23,6 +23,7 @@ use crate::facet::Facet;
 use crate::mesh::{Grid, Mesh};
 use crate::normal::{Direction, Found, Material, NoNormal, NormalMethod};
 use crate::parallel;
+use crate::stopwatch::Stopwatch;
 
 mod status;
 
@@ -230,19 +231,24 @@ pub fn planes<C: Cell<D>, const D: usize>(
     cells: &[usize],
     method: Reconstruction,
 ) -> Result<Vec<Placed<D>>, ReconstructionError> {
-    let placed = if method.normal.reads_neighbours() {
-        let found = method.normal.normals(material, cells, method.position);
-        parallel::map(cells.len(), |i| {
-            place_along(material, cells[i], &material.mesh.local_cell(cells[i]), found[i], method.position)
-        })
-    } else {
-        parallel::map(cells.len(), |i| {
-            let cell = material.mesh.local_cell(cells[i]);
-            let found = method.normal.normal(material, cells[i], &cell, method.position);
-            place_along(material, cells[i], &cell, found, method.position)
-        })
-    };
-    placed.into_iter().collect()
+    planes_timed(material, cells, method, &mut Stopwatch::default())
+}
+
+/// The same, with the normals and the plane constants timed.
+pub(crate) fn planes_timed<C: Cell<D>, const D: usize>(
+    material: Material<'_, C, D>,
+    cells: &[usize],
+    method: Reconstruction,
+    stopwatch: &mut Stopwatch,
+) -> Result<Vec<Placed<D>>, ReconstructionError> {
+    let found = method.normal.normals(material, cells, method.position);
+    stopwatch.lap(|seconds| &mut seconds.normals);
+    let placed = parallel::map(cells.len(), |i| {
+        place_along(material, cells[i], &material.mesh.local_cell(cells[i]), found[i], method.position)
+    });
+    let placed = placed.into_iter().collect();
+    stopwatch.lap(|seconds| &mut seconds.positions);
+    placed
 }
 
 /// The plane of one mixed cell with the normal that was found.
@@ -293,7 +299,8 @@ pub fn reconstruct<C: Cell<D>, const D: usize>(
     let cells: Vec<usize> =
         (0..mesh.grid().len()).filter(|&i| fractions.iter().any(|f| is_mixed(f[i]))).collect();
     let mut interface = Interface::default();
-    let planes = planes_of_all(mesh, fractions, &cells, method, &mut interface.counts)?;
+    let (counts, untimed) = (&mut interface.counts, &mut Stopwatch::default());
+    let planes = planes_of_all(mesh, fractions, &cells, method, counts, untimed)?;
     let made = parallel::map(cells.len(), |i| {
         let (index, planes) = (cells[i], &planes[i * fractions.len()..][..fractions.len()]);
         if planes.iter().flatten().any(Placed::is_nested) {

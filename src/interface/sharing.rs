@@ -3,10 +3,11 @@
 use vofkit_geometry::Cell;
 
 use super::order::{Next, Queue};
-use super::{Counts, Placed, Reconstruction, ReconstructionError, is_mixed, place_along, planes};
+use super::{Counts, Placed, Reconstruction, ReconstructionError, is_mixed, place_along, planes_timed};
 use crate::mesh::Mesh;
 use crate::normal::{Material, NoNormal, Stencil};
 use crate::parallel;
+use crate::stopwatch::Stopwatch;
 use crate::tolerance::{FRACTION_ROUNDING, OVERFULL};
 
 /// How several materials in one cell are reconstructed.
@@ -36,16 +37,17 @@ enum Sharing<const D: usize> {
 
 /// Places the planes of all materials in `cells` (indices, ascending), by cell and material; none where a material is absent or
 /// fills its cell. What was placed is counted; what is [`Placed::Nested`] is up to the caller. About methods that
-/// read their neighbours see [`planes`].
+/// read their neighbours see [`planes`](super::planes).
 ///
 /// # Errors
-/// Fractions of a cell that add up to more than 1, and those of [`planes`].
+/// Fractions of a cell that add up to more than 1, and those of [`planes`](super::planes).
 pub(crate) fn planes_of_all<C: Cell<D>, const D: usize>(
     mesh: &Mesh<C, D>,
     fractions: &[Vec<f64>],
     cells: &[usize],
     method: Reconstruction,
     counts: &mut Counts,
+    stopwatch: &mut Stopwatch,
 ) -> Result<Vec<Option<Placed<D>>>, ReconstructionError> {
     let materials = fractions.len();
     let sharing = if materials > 1 && method.materials != Materials::Independent {
@@ -65,7 +67,8 @@ pub(crate) fn planes_of_all<C: Cell<D>, const D: usize>(
         };
         let (places, mixed): (Vec<usize>, Vec<usize>) =
             cells.iter().enumerate().filter(|&(i, &cell)| is_mixed(f[cell]) && needed(i)).unzip();
-        let placed = planes(Material { mesh, fractions: f, centroids: None }, &mixed, method)?;
+        let own = Material { mesh, fractions: f, centroids: None };
+        let placed = planes_timed(own, &mixed, method, stopwatch)?;
         for (place, placed) in places.into_iter().zip(placed) {
             all[place * materials + material] = Some(placed);
         }

@@ -9,6 +9,7 @@ pub mod table;
 use serde::Serialize;
 
 use crate::interface::Counts;
+use crate::stopwatch::PhaseSeconds;
 
 /// The account of a whole run. Volumes are areas in two dimensions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -31,6 +32,8 @@ pub struct Summary {
     pub threads: usize,
     /// Seconds from the start to the last file, but for this one.
     pub wall_seconds: f64,
+    /// The same by phase.
+    pub seconds: PhaseSeconds,
     /// The Courant number of a step, at the largest amplitude of the velocity.
     pub max_courant: f64,
     /// The largest `|sum of the fluxes out of a cell| dt / V`.

@@ -65,8 +65,10 @@ pub struct StageSeconds {
     pub mesh: f64,
     /// Fractions from shapes, or their reading.
     pub fractions: f64,
-    /// Normals and plane constants.
-    pub planes: f64,
+    /// Normals.
+    pub normals: f64,
+    /// Plane constants.
+    pub positions: f64,
     /// Planes as polygons.
     pub facets: f64,
     /// The comparison with the shapes.

@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::{FieldSummary, MaterialSummary, Normals, Summary};
+use crate::stopwatch::PhaseSeconds;
 
 /// Corrections up to this part of a material are rounding and not shown.
 const ROUNDING: f64 = 1e-12;
@@ -30,6 +31,7 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
         ("closed form", format!("{} of {positions} plane constants", summary.positions_closed_form)),
         ("corrections", format!("{:.1e} of a cell at most", summary.corrections.largest_fraction)),
         ("wall time", format!("{:.2} s with {} threads", summary.wall_seconds, summary.threads)),
+        ("of which", phases(&summary.seconds)),
     ];
     rows.extend(summary.notes.iter().map(|note| ("note", note.clone())));
     let mut text = lines(&rows);
@@ -57,6 +59,15 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
     }
     let _ = writeln!(text, "\n{} files in {}", summary.files.len(), folder.display());
     text
+}
+
+/// Shares of the phases, without those that take no time.
+fn phases(seconds: &PhaseSeconds) -> String {
+    let named = seconds.named();
+    let whole: f64 = named.iter().map(|(_, value)| value).sum();
+    let told = named.iter().filter(|(_, value)| *value > 0.0);
+    let shares = told.map(|(name, value)| format!("{name} {:.0} %", 100.0 * value / whole));
+    shares.collect::<Vec<_>>().join(", ")
 }
 
 /// What became of the normals, without what did not occur.

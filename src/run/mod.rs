@@ -66,6 +66,7 @@ use crate::metrics::facet_gap_mean;
 use crate::profile::Profile;
 use crate::report::Summary;
 use crate::scene::{Resolved, Substeps};
+use crate::stopwatch::Stopwatch;
 use crate::volume_associated::TransportError;
 
 /// With [`Substeps::Auto`] a step is split further while a cell gives too much, but not into more parts than this.
@@ -122,7 +123,7 @@ fn prepared<C: Draw<D>, const D: usize>(
     from: Option<Checkpoint>,
     progress: &mut dyn Progress,
 ) -> Result<Summary, RunError> {
-    let clock = Instant::now();
+    let (clock, stopwatch) = (Instant::now(), Stopwatch::started());
     if from.is_none() {
         Folder::check(&options.folder, options.force)?;
     }
@@ -145,7 +146,17 @@ fn prepared<C: Draw<D>, const D: usize>(
         Some(_) => Quantities::new(scene, &mesh, &vec![vec![0.0; mesh.grid().len()]; scene.materials.len()]),
     };
     let threads = options.threads;
-    let run = Run { scene, setup, fields, quantities, folder: folder.path(), checkpoints, threads, clock };
+    let run = Run {
+        scene,
+        setup,
+        fields,
+        quantities,
+        folder: folder.path(),
+        checkpoints,
+        threads,
+        clock,
+        stopwatch,
+    };
     let done = run.go(fractions, from, progress);
     if done.is_err() {
         folder.remove_if_empty();
@@ -163,6 +174,7 @@ struct Run<'a, C, const D: usize> {
     checkpoints: &'a Checkpoints,
     threads: usize,
     clock: Instant,
+    stopwatch: Stopwatch,
 }
 
 /// What changes from step to step besides mesh and fields.
@@ -185,10 +197,12 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
     ) -> Result<Summary, RunError> {
         let (scene, plan) = (self.scene, self.setup.plan);
         let schedule = Schedule::new(&scene.output, &plan);
+        self.stopwatch.lap(|seconds| &mut seconds.initialise);
         let mut stand = match from {
             None => self.start(fractions, &schedule)?,
             Some(checkpoint) => self.go_on(checkpoint)?,
         };
+        self.stopwatch.lap(|seconds| &mut seconds.output);
         progress.begin(plan.steps);
         let rate = plan.courant / plan.dt();
         while stand.step < plan.steps {
@@ -217,6 +231,7 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
                 self.write(&mut stand.output, &schedule, stand.step, &stand.fractions)?;
                 stand = self.checkpoint(stand)?;
             }
+            self.stopwatch.lap(|seconds| &mut seconds.output);
         }
         progress.stage("summary");
         self.finish(stand, &schedule)
@@ -311,7 +326,7 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
     }
 
     /// Writes the last state and the account of the run.
-    fn finish(&self, stand: Stand<'a, D>, schedule: &Schedule) -> Result<Summary, RunError> {
+    fn finish(mut self, stand: Stand<'a, D>, schedule: &Schedule) -> Result<Summary, RunError> {
         let (scene, plan) = (self.scene, self.setup.plan);
         let Stand { fractions, tally, mut output, history, field_table, .. } = stand;
         let facets = self.write(&mut output, schedule, plan.steps, &fractions)?;
@@ -335,6 +350,8 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
         summary.obj_scale = output.obj_scale;
         summary.threads = self.threads;
         summary.files = output.files;
+        self.stopwatch.lap(|seconds| &mut seconds.output);
+        summary.seconds = self.stopwatch.seconds();
         summary.wall_seconds = self.clock.elapsed().as_secs_f64();
         write_file(self.folder.join(SUMMARY), |writer| {
             serde_json::to_writer_pretty(&mut *writer, &summary)?;
@@ -392,12 +409,17 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
         number: usize,
         times: [f64; 2],
     ) -> Result<Ledger, TransportError> {
-        let Self { fields, quantities, setup, .. } = self;
-        let end = setup.plan.end;
+        let Self { fields, quantities, setup, stopwatch, .. } = self;
+        let run_end = setup.plan.end;
         if !fields.is_empty() {
-            fields.step(&setup.mover, &setup.velocity, times, end, number)?;
+            fields.step(&setup.mover, &setup.velocity, times, run_end, number)?;
+            stopwatch.lap(|seconds| &mut seconds.fields);
         }
-        setup.mover.step(fractions, &mut quantities.values, number, times, end).map_err(|error| {
+        let [start, end] = times;
+        let done =
+            setup.mover.step(fractions, &mut quantities.values, number, [start, end, run_end], stopwatch);
+        stopwatch.lap(|seconds| &mut seconds.update);
+        done.map_err(|error| {
             fields.restore();
             error.into()
         })

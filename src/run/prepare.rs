@@ -13,6 +13,7 @@ use crate::metrics::material_volume;
 use crate::quantity::MaterialQuantity;
 use crate::scene::{Part, Resolved, SceneError, Stepping, Still};
 use crate::space::spatial;
+use crate::stopwatch::Stopwatch;
 use crate::velocity::{FaceFluxes, Reversal, Velocity};
 
 /// Unusable cells that an error names; the others are in its details.
@@ -224,7 +225,7 @@ impl<C: Cell<D>, const D: usize> Mover<'_, C, D> {
         Ok(())
     }
 
-    /// Advances fractions and quantities over a part of a run that ends at `run_end`. `step` counts the steps and their parts.
+    /// Advances fractions and quantities from `start` to `end`, in a run that ends at `run_end`. `step` counts the steps and their parts.
     ///
     /// # Errors
     /// A step that cannot be done; all of them, and the mesh, are then as before.
@@ -233,20 +234,20 @@ impl<C: Cell<D>, const D: usize> Mover<'_, C, D> {
         fractions: &mut [Vec<f64>],
         quantities: &mut [MaterialQuantity],
         step: usize,
-        [start, end]: [f64; 2],
-        run_end: f64,
+        [start, end, run_end]: [f64; 3],
+        stopwatch: &mut Stopwatch,
     ) -> Result<Ledger, StepError> {
         // Without materials there is nothing to cut.
         let is_needed = !fractions.is_empty();
         match self {
             Self::Flow(transport) if is_needed => {
-                transport.step_carrying(fractions, quantities, step, start, end)
+                transport.step_timed(fractions, quantities, step, [start, end], stopwatch)
             }
             Self::Flow(_) => Ok(Ledger::new(0)),
             Self::Remesh { remesh, path, at } => {
                 let to = path.mesh(end / run_end)?;
                 let ledger = match is_needed {
-                    true => remesh.step_carrying(at, &to, fractions, quantities, step)?,
+                    true => remesh.step_timed([at, &to], fractions, quantities, step, stopwatch)?,
                     false => Ledger::new(0),
                 };
                 *at = to;

@@ -16,13 +16,14 @@ use super::tally::{mixed_cells, not_asked_for};
 use super::{RunError, RunOptions};
 use crate::export::write_file;
 use crate::facet::Facet;
-use crate::interface::{Counts, ReconstructionError, check_fractions, facet, is_mixed, planes};
+use crate::interface::{Counts, ReconstructionError, check_fractions, facet, is_mixed, planes_timed};
 use crate::mesh::Mesh;
 use crate::metrics::{facet_gap_mean, material_volume};
 use crate::normal::Material;
 use crate::parallel;
 use crate::report::still::{CountsByStatus, StageSeconds, StillMaterial, StillSummary};
 use crate::scene::Still;
+use crate::stopwatch::Stopwatch;
 
 /// Reconstructs the interface of a scene and writes what it asks for: the files that a run writes at its start, and on the mesh
 /// also the planes.
@@ -129,7 +130,10 @@ impl<const D: usize> Found<D> {
             check_fractions(mesh.grid(), fractions)?;
             let mixed: Vec<usize> = (0..fractions.len()).filter(|&cell| is_mixed(fractions[cell])).collect();
             let material = Material { mesh, fractions, centroids: None };
-            let placed = timed(&mut seconds.planes, || planes(material, &mixed, scene.reconstruction))?;
+            let mut stopwatch = Stopwatch::started();
+            let placed = planes_timed(material, &mixed, scene.reconstruction, &mut stopwatch)?;
+            seconds.normals += stopwatch.seconds().normals;
+            seconds.positions += stopwatch.seconds().positions;
             let mut counts = Counts::default();
             placed.iter().for_each(|placed| counts.count(placed));
             let facets = timed(&mut seconds.facets, || {
@@ -192,7 +196,7 @@ impl<const D: usize> Found<D> {
             evaluations_per_position: all.evaluations_per_position(),
             trials_per_plane: per_plane(all.trials as f64),
             positions_per_plane: per_plane((all.trials + all.closed_form + all.iterative) as f64),
-            microseconds_per_plane: per_plane(seconds.planes * 1e6),
+            microseconds_per_plane: per_plane((seconds.normals + seconds.positions) * 1e6),
             seconds,
             facet_gap_mean: facet_gap_mean(mesh, &self.facets),
             skipped_outputs: not_asked_for(&scene.output),

@@ -10,6 +10,7 @@ use crate::mesh::Mesh;
 use crate::metrics::material_volume;
 use crate::run::prepare::{self, Mover};
 use crate::scene::{Resolved, Scene};
+use crate::stopwatch::Stopwatch;
 
 /// Drift of a material's volume, relative to the mesh, beyond what the ledger says was corrected.
 const DRIFT: f64 = 1e-12;
@@ -90,6 +91,21 @@ pub(super) const FAMILIES: &[Family] = &[
             let materials =
                 material("a", "{ rectangle = { centre = [0.5, 0.5e-4], lengths = [0.4, 0.37e-4] } }");
             Scenery { field, materials, side: [1.0, 1e-4], periodic: true, ..Scenery::new(random) }.input()
+        },
+    ),
+    sound(
+        "motion/spin",
+        "a remap to the mesh turned by 90 degrees conserves volume and stays within bounds",
+        250,
+        |random| {
+            let materials = disc("a", [0.5, 0.52], random.within(0.05, 0.45));
+            Input::Scene(format!(
+                "[mesh]\ncells = [9, 9]\ndistortion = {{ random = {{ amplitude = 0.2, seed = {} }} }}\n\
+                 motion = {{ rotate = {{ centre = [0.5, 0.5], angle = {:?} }} }}\n\n{materials}\
+                 [advection]\nmode = \"remesh\"\nscheme = \"remap\"\nsteps = 1\n\n[output]\ninterface = []\n",
+                random.below(1000),
+                std::f64::consts::FRAC_PI_2
+            ))
         },
     ),
     Family {
@@ -222,7 +238,7 @@ fn run<C: Cell<D>, const D: usize>(scene: &Resolved<D>) -> Result<Course, String
         volumes: volumes.collect(),
         ledger,
         total: mesh.total_volume(),
-        exact: matches!(advection.scheme, Scheme::Sweeps | Scheme::Unsplit)
+        exact: matches!(advection.scheme, Scheme::Sweeps | Scheme::Unsplit | Scheme::Remap)
             && advection.sweep_axes == SweepAxes::Logical,
         changed: !start.iter().flatten().zip(fractions.iter().flatten()).all(same),
     })
@@ -238,7 +254,7 @@ fn advance<C: Cell<D>, const D: usize>(
     halvings: usize,
     ledger: &mut Ledger,
 ) -> Result<(), StepError> {
-    match mover.step(fractions, &mut [], number, [start, end], run_end) {
+    match mover.step(fractions, &mut [], number, [start, end, run_end], &mut Stopwatch::default()) {
         Ok(done) => {
             ledger.add(&done);
             Ok(())

@@ -1,7 +1,7 @@
 //! Studies: a scene, or a table of cells, run for every combination of lists of settings, and a report of error against time.
 //!
 //! - [`mod@file`]: the study file; `words`: its parts, read with their places; [`plan`]: the product of its lists, and what of it makes no sense;
-//! - [`measure`]: what is known of a combination when it has run; `subject`, `still`, `table`: runs it; `stages`: what takes how long;
+//! - [`measure`]: what is known of a combination when it has run; `subject`, `still`, `table`: runs it;
 //! - `store`: every result on disk as soon as it is there, and read back to go on;
 //! - [`analysis`]: fronts, orders, what noise hides; [`chart`]: drawings; `pages`: the report.
 
@@ -11,7 +11,6 @@ pub mod file;
 pub mod measure;
 mod pages;
 pub mod plan;
-mod stages;
 mod still;
 mod store;
 mod subject;

@@ -1,7 +1,5 @@
 //! The interface of a scene as it stands: how far its planes are from the shapes, and how long they take.
 
-use std::time::Instant;
-
 use vofkit_geometry::{Cell, Hexahedron, Quad};
 
 use super::file::Study;
@@ -9,17 +7,18 @@ use super::measure::{Measures, Named, Spread};
 use super::plan::{self, Combination};
 use super::subject::{along_axis, mean, repeated};
 use crate::facet::Facet;
-use crate::interface::{Counts, is_mixed, planes, reconstruct};
+use crate::interface::{Counts, is_mixed, planes_timed, reconstruct};
 use crate::mesh::Mesh;
 use crate::normal::Material;
 use crate::run::shape_errors::ShapeErrors;
 use crate::run::{RunError, prepare};
 use crate::scene::{Still, StillScene};
+use crate::stopwatch::{PhaseSeconds, Stopwatch};
 
 /// What is known of one sample.
 struct Sample {
-    /// Seconds for all planes.
-    seconds: f64,
+    /// Of normals and plane constants.
+    seconds: PhaseSeconds,
     /// Volume of the symmetric difference.
     difference: f64,
     /// The mean Hausdorff distance, of spheres.
@@ -43,8 +42,15 @@ pub(super) fn measured(study: &Study, combination: &Combination) -> Result<Measu
     let Some(samples) = passes.first() else { return Err("nothing was reconstructed".to_owned()) };
     let mut counts = Counts::default();
     samples.iter().for_each(|sample| counts.add(&sample.counts));
-    let seconds = |samples: &Vec<Sample>| mean(samples.iter().map(|sample| Some(sample.seconds)));
-    let seconds = Spread::of(passes.iter().filter_map(seconds).collect());
+    let over = |value: fn(&PhaseSeconds) -> f64| {
+        let pass = |samples: &Vec<Sample>| mean(samples.iter().map(|sample| Some(value(&sample.seconds))));
+        Spread::of(passes.iter().filter_map(pass).collect())
+    };
+    let seconds = over(|seconds| seconds.normals + seconds.positions);
+    let stages = [
+        Named::new("normals", over(|seconds| seconds.normals).median),
+        Named::new("positions", over(|seconds| seconds.positions).median),
+    ];
     let mixed = counts.mixed as f64 / samples.len().max(1) as f64;
     let errors = [
         ("symmetric difference", mean(samples.iter().map(|sample| Some(sample.difference)))),
@@ -59,6 +65,7 @@ pub(super) fn measured(study: &Study, combination: &Combination) -> Result<Measu
         seconds_per_mixed_cell: (mixed > 0.0).then(|| seconds.median / mixed),
         evaluations_per_position: counts.evaluations_per_position(),
         closed_form: (positions > 0).then(|| counts.closed_form as f64 / positions as f64),
+        stages: stages.to_vec(),
         memory_estimate: samples.iter().map(|sample| sample.memory).max(),
         undetermined: Some(counts.undetermined + counts.no_normal()),
         ..Measures::default()
@@ -68,13 +75,12 @@ pub(super) fn measured(study: &Study, combination: &Combination) -> Result<Measu
 fn reconstructed<C: Cell<D>, const D: usize>(scene: &Still<D>) -> Result<Sample, RunError> {
     let mesh: Mesh<C, D> = prepare::still_mesh(scene)?;
     let fractions = prepare::fractions(scene, &mesh)?;
-    let (mut seconds, mut counts) = (0.0, Counts::default());
+    let (mut stopwatch, mut counts) = (Stopwatch::started(), Counts::default());
     for fractions in &fractions {
         let mixed: Vec<usize> = (0..fractions.len()).filter(|&cell| is_mixed(fractions[cell])).collect();
-        let clock = Instant::now();
-        let placed =
-            planes(Material { mesh: &mesh, fractions, centroids: None }, &mixed, scene.reconstruction)?;
-        seconds += clock.elapsed().as_secs_f64();
+        let material = Material { mesh: &mesh, fractions, centroids: None };
+        stopwatch.lap(|seconds| &mut seconds.initialise);
+        let placed = planes_timed(material, &mixed, scene.reconstruction, &mut stopwatch)?;
         placed.iter().for_each(|placed| counts.count(placed));
     }
     let facets = reconstruct(&mesh, &fractions, scene.reconstruction)?.facets;
@@ -88,5 +94,6 @@ fn reconstructed<C: Cell<D>, const D: usize>(scene: &Still<D>) -> Result<Sample,
     }
     let memory = prepare::still_memory(scene);
     let cells_along_axis = along_axis(&scene.mesh.cells);
+    let seconds = stopwatch.seconds();
     Ok(Sample { seconds, difference, hausdorff, counts, cells_along_axis, memory })
 }

@@ -8,12 +8,12 @@ use vofkit_geometry::{Hexahedron, Quad};
 use super::file::{Study, Task};
 use super::measure::{Measures, Named, Outcome, Spread};
 use super::plan::{self, Combination};
-use super::stages::Stages;
 use super::{still, table};
 use crate::report::{MaterialSummary, Summary};
 use crate::run::threads::Pool;
-use crate::run::{self, RunError, RunOptions, prepare};
+use crate::run::{self, RunError, RunOptions, Silent, prepare};
 use crate::scene::Scene;
+use crate::stopwatch::PhaseSeconds;
 
 /// Passes over what is short, at most, and how long they may take together: normally, and in quick studies.
 const PASSES: usize = 7;
@@ -68,15 +68,8 @@ pub(super) fn along_axis<const D: usize>(cells: &[usize; D]) -> f64 {
 /// One run of a sample.
 struct Sample {
     summary: Summary,
-    stages: Vec<Named>,
     cells_along_axis: f64,
     memory: u64,
-}
-
-impl Sample {
-    fn stage(&self, name: &str) -> f64 {
-        self.stages.iter().filter(|stage| stage.name == name).map(|stage| stage.value).sum()
-    }
 }
 
 /// Measures the run of a combination, errors being means over its samples.
@@ -88,18 +81,17 @@ fn moved(study: &Study, combination: &Combination, folder: &Path) -> Result<Meas
     };
     let one = |sample: &Vec<String>| -> Result<Sample, RunError> {
         let scene = plan::scene(study, combination, sample)?;
-        let mut stages = Stages::default();
         let (summary, cells_along_axis, memory) = match &scene {
             Scene::Plane(scene) => {
-                let summary = run::run::<Quad, 2>(scene, &options, &mut stages)?;
+                let summary = run::run::<Quad, 2>(scene, &options, &mut Silent)?;
                 (summary, along_axis(&scene.mesh.cells), prepare::memory(scene))
             }
             Scene::Space(scene) => {
-                let summary = run::run::<Hexahedron, 3>(scene, &options, &mut stages)?;
+                let summary = run::run::<Hexahedron, 3>(scene, &options, &mut Silent)?;
                 (summary, along_axis(&scene.mesh.cells), prepare::memory(scene))
             }
         };
-        Ok(Sample { summary, stages: stages.finish(), cells_along_axis, memory })
+        Ok(Sample { summary, cells_along_axis, memory })
     };
     let pass =
         || combination.samples.iter().map(one).collect::<Result<Vec<_>, _>>().map_err(|e| e.to_string());
@@ -132,17 +124,19 @@ fn summed_up(passes: &[Vec<Sample>], samples: &[Sample]) -> Measures {
         Spread::of(passes.iter().filter_map(pass).collect())
     };
     let work = mixed.zip(steps).map(|(mixed, steps)| mixed * steps as f64).filter(|&work| work > 0.0);
-    let names = samples.first().map_or(&[][..], |sample| &sample.stages);
-    let stages = names
-        .iter()
-        .map(|stage| Named::new(stage.name.clone(), seconds(&|sample| sample.stage(&stage.name)).median));
+    let names = PhaseSeconds::default().named().map(|(name, _)| name);
+    let stages = names.iter().enumerate().filter_map(|(phase, name)| {
+        let median = seconds(&|sample| sample.summary.seconds.named()[phase].1).median;
+        (median > 0.0).then(|| Named::new(*name, median))
+    });
     Measures {
         errors: errors.into_iter().filter_map(|(name, value)| Some(Named::new(name, value?))).collect(),
         seconds: seconds(&|sample| sample.summary.wall_seconds),
         cells_along_axis: samples.first().map(|sample| sample.cells_along_axis),
         steps,
         mixed_cells: mixed,
-        seconds_per_mixed_cell: work.map(|work| seconds(&|sample| sample.stage("steps")).median / work),
+        seconds_per_mixed_cell: work
+            .map(|work| seconds(&|sample| sample.summary.seconds.steps()).median / work),
         evaluations_per_position: over(|summary| summary.evaluations_per_position),
         closed_form: (all > 0).then(|| closed as f64 / all as f64),
         stages: stages.collect(),

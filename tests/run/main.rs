@@ -62,6 +62,7 @@ fn the_summary_has_all_its_fields() {
         "steps",
         "threads",
         "wall_seconds",
+        "seconds",
         "max_courant",
         "max_divergence",
         "mixed_cells_mean",
@@ -96,6 +97,30 @@ fn the_summary_has_all_its_fields() {
         header.lines().next().unwrap(),
         "step,time,dt,courant,mixed_cells,largest_correction,largest_in_cell,disc.volume,disc.min,disc.max,disc.clipped,disc.rescaled"
     );
+}
+
+#[test]
+fn the_phases_of_a_run_take_all_its_time() {
+    let place = Place::new();
+    let steps = ["normals", "positions", "fluxes", "update"];
+    let cases: [(&str, &[&str], &[&str]); 5] = [
+        ("reversed_vortex", &["mesh.cells=[20,20]"], &steps),
+        ("reversed_vortex", &["mesh.cells=[20,20]", "advection.scheme=unsplit"], &steps),
+        ("remesh_wave", &["mesh.cells=[20,20]", "mesh.motion.wave.swings=4"], &steps),
+        ("remesh_remap", &["mesh.cells=[20,20]"], &steps),
+        ("fields/square_wave_tvd", &[], &["fields"]),
+    ];
+    for (name, settings, busy) in cases {
+        let summary = place.run(name, "o", settings);
+        let seconds = summary["seconds"].as_object().unwrap();
+        let sum: f64 = seconds.values().map(number).sum();
+        let whole = number(&summary["wall_seconds"]);
+        assert!(seconds.len() == 7 && sum <= 1.01 * whole && sum >= 0.5 * whole, "{name}: {summary}");
+        for phase in busy.iter().chain(&["initialise", "output"]) {
+            assert!(number(&seconds[*phase]) > 0.0, "{name}: {phase} of {summary}");
+        }
+        fs::remove_dir_all(place.path("o")).unwrap();
+    }
 }
 
 #[test]

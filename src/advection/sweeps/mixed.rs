@@ -7,6 +7,7 @@ use crate::advection::ledger::Ledger;
 use crate::advection::transport::StepError;
 use crate::interface::{Counts, Placed, ReconstructionError, is_mixed, planes_of_all};
 use crate::parallel;
+use crate::stopwatch::Stopwatch;
 
 /// The mixed cells of the band in a sweep, and what they give.
 #[derive(Clone, Debug)]
@@ -61,6 +62,7 @@ impl<const D: usize> Mixed<D> {
         sweep: &Sweep<'_, C, D>,
         contents: &[Content],
         ledger: &mut Ledger,
+        stopwatch: &mut Stopwatch,
     ) -> Result<(), StepError> {
         let materials = sweep.fractions.len();
         let places = sweep.band.places();
@@ -79,7 +81,7 @@ impl<const D: usize> Mixed<D> {
             .map(|(number, &slot)| (number, places[slot as usize].cell()))
             .unzip();
         let mesh = sweep.stage.mesh;
-        let placed = planes_of_all(mesh, sweep.fractions, &cells, method, &mut ledger.counts)?;
+        let placed = planes_of_all(mesh, sweep.fractions, &cells, method, &mut ledger.counts, stopwatch)?;
         self.planes.clear();
         self.planes.resize(self.slots.len() * materials, None);
         for (number, placed) in numbers.into_iter().zip(placed.chunks_exact(materials)) {

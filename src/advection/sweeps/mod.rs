@@ -38,11 +38,14 @@ use crate::interface::Reconstruction;
 use crate::mesh::Grid;
 use crate::parallel;
 use crate::quanta::Quanta;
+use crate::stopwatch::Stopwatch;
 
 /// What holds for all sweeps of a step.
 pub(super) struct Rules<'a, const D: usize> {
     pub(super) grid: &'a Grid<D>,
     pub(super) boundary: &'a Boundary<D>,
+    /// The volumes of the cells at the start of the step.
+    pub(super) volumes: &'a [f64],
     /// What the fluxes are multiples of.
     pub(super) quanta: Quanta,
     pub(super) reconstruction: Reconstruction,
@@ -115,27 +118,27 @@ impl<const D: usize> Default for Sweeps<D> {
 }
 
 impl<const D: usize> Sweeps<D> {
-    /// Does the sweeps of a step. `volumes` are those of the cells at its start; `outward` says what leaves the cell at an
-    /// offset, by component. Fractions and quantities stay as they are if a sweep cannot be done.
+    /// Does the sweeps of a step. `outward` says what leaves the cell at an offset, by component. Fractions and quantities stay
+    /// as they are if a sweep cannot be done.
     pub(super) fn run<C: Cell<D>>(
         &mut self,
         rules: &Rules<'_, D>,
         stages: &[Stage<'_, C, D>],
         band: &mut Band<D>,
-        volumes: &[f64],
         cargo: &mut Cargo<'_>,
+        stopwatch: &mut Stopwatch,
         outward: impl Fn([usize; D], &mut [Outward]) + Sync + Send,
     ) -> Result<Ledger, StepError> {
         let mut ledger = Ledger::new(cargo.fractions.len());
         band.collect(rules.grid, cargo.fractions, rules.carried, rules.boundary, reach(stages));
-        self.begin(rules, band, volumes, cargo.fractions, outward);
+        self.begin(rules, band, cargo.fractions, outward);
         let carries = !cargo.quantities.is_empty();
         if carries {
             let cells = band.places().iter().map(Place::cell);
-            self.carry.begin(cargo.quantities, cargo.fractions, volumes, cells);
+            self.carry.begin(cargo.quantities, cargo.fractions, rules.volumes, cells);
         }
         for stage in stages {
-            if let Err(error) = self.advance(rules, stage, band, cargo, &mut ledger) {
+            if let Err(error) = self.advance(rules, stage, band, cargo, &mut ledger, stopwatch) {
                 self.restore(band, cargo.fractions);
                 if carries {
                     self.carry.restore(cargo.quantities);
@@ -153,13 +156,11 @@ impl<const D: usize> Sweeps<D> {
         Ok(ledger)
     }
 
-    /// Starts a step from these fractions: `volumes` are those of the cells, `outward` what leaves the cell at an offset,
-    /// by component.
+    /// Starts a step from these fractions: `outward` is what leaves the cell at an offset, by component.
     fn begin(
         &mut self,
         rules: &Rules<'_, D>,
         band: &Band<D>,
-        volumes: &[f64],
         fractions: &[Vec<f64>],
         outward: impl Fn([usize; D], &mut [Outward]) + Sync + Send,
     ) {
@@ -171,7 +172,7 @@ impl<const D: usize> Sweeps<D> {
         self.contents.resize(places.len() * fractions.len(), Content::default());
         let Self { members, outward: all, contents, .. } = self;
         parallel::for_each_with_chunk(members, all, |slot, member, all| {
-            member.start = volumes[places[slot].cell()];
+            member.start = rules.volumes[places[slot].cell()];
             outward(places[slot].offset(), all);
         });
         for (place, contents) in places.iter().zip(contents.chunks_exact_mut(fractions.len())) {
@@ -203,13 +204,16 @@ impl<const D: usize> Sweeps<D> {
         band: &Band<D>,
         cargo: &mut Cargo<'_>,
         ledger: &mut Ledger,
+        stopwatch: &mut Stopwatch,
     ) -> Result<(), StepError> {
+        stopwatch.lap(|seconds| &mut seconds.update);
         let Cargo { fractions, quantities } = cargo;
         let materials = fractions.len();
         let Self { members, outward, contents, accounts, mixed, carry } = self;
         let sweep = Sweep { rules, stage, band, outward, fractions };
-        mixed.collect(&sweep, contents, ledger)?;
+        mixed.collect(&sweep, contents, ledger, stopwatch)?;
         mixed.give(&sweep, members, ledger)?;
+        stopwatch.lap(|seconds| &mut seconds.fluxes);
         parallel::for_each_block(members, contents, accounts, |first, members, contents, account| {
             account.reset();
             let cells = members.iter_mut().zip(contents.chunks_exact_mut(materials)).enumerate();
