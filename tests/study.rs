@@ -86,6 +86,7 @@ fn the_report_is_there_in_every_form_and_needs_nothing_else() {
         "Pareto front",
         "Convergence: E",
         "Time by stage",
+        "<th>normals</th><th>positions</th><th>fluxes</th><th>update</th>",
         "too coarse",
         "Conservation and bounds",
         "rustc",
@@ -257,7 +258,7 @@ fn an_outcome_is_told_in_a_line() {
 #[test]
 fn stress_cases_hold_and_are_the_same_for_any_number_of_threads() {
     let place = Place::new();
-    for filter in ["geometry", "fractions", "motion/s", "motion/graded", "materials"] {
+    for filter in ["geometry", "exact", "fractions", "motion/s", "motion/graded", "materials"] {
         let run = |threads: &str| {
             let arguments =
                 ["stress", "--filter", filter, "--cases", "200", "--threads", threads, "--out", threads];
@@ -267,7 +268,9 @@ fn stress_cases_hold_and_are_the_same_for_any_number_of_threads() {
         };
         assert_eq!(run("1"), run("2"));
     }
-    assert_eq!(place.listed("1"), ["stress.html", "stress.json", "stress.md"]);
+    for file in ["stress.html", "stress.json", "stress.md", "geometry_parts.csv", "motion_graded.vts"] {
+        assert!(place.path("1").join(file).is_file(), "no {file}");
+    }
     let report: Value = serde_json::from_slice(&fs::read(place.path("1/stress.json")).unwrap()).unwrap();
     let families = report["families"].as_array().unwrap();
     assert!(
@@ -278,25 +281,39 @@ fn stress_cases_hold_and_are_the_same_for_any_number_of_threads() {
 }
 
 #[test]
-fn the_worst_cases_can_be_run_again() {
+fn the_worst_case_of_every_family_can_be_run_again() {
     let place = Place::new();
-    let worst = |filter: &str| {
-        let done = place.vofkit(&["stress", "--filter", filter, "--cases", "50", "--out", "o"]);
-        assert_eq!(done.code, Some(0), "{}", done.err);
-        let report: Value = serde_json::from_slice(&fs::read(place.path("o/stress.json")).unwrap()).unwrap();
-        report["families"][0]["worst"]["reproducer"].as_str().unwrap().to_owned()
-    };
-    place.file("cut.csv", worst("geometry/parts"));
-    place.file("fill.csv", worst("geometry/positions"));
-    place.file("scene.toml", worst("motion/whirl"));
-    let commands: [&[&str]; 3] = [
-        &["kernel", "truncate", "cut.csv", "--out", "cut.out"],
-        &["kernel", "position", "fill.csv", "--out", "fill.out"],
-        &["run", "scene.toml", "--out", "run"],
-    ];
-    for arguments in commands {
-        let done = place.vofkit(arguments);
-        assert_eq!(done.code, Some(0), "{arguments:?}: {}", done.err);
+    let done = place.vofkit(&["stress", "--cases", "1", "--out", "o"]);
+    assert_eq!(done.code, Some(0), "{}", done.err);
+    let report: Value = serde_json::from_slice(&fs::read(place.path("o/stress.json")).unwrap()).unwrap();
+    let families = report["families"].as_array().unwrap();
+    assert!(families.len() >= 40, "{}", families.len());
+    for family in families {
+        let stem = family["name"].as_str().unwrap().replace('/', "_");
+        let files = family["worst"]["reproducer"].as_array().unwrap();
+        assert!(!files.is_empty(), "{stem}");
+        for file in files {
+            let name = format!("o/{stem}.{}", file["extension"].as_str().unwrap());
+            let text = fs::read_to_string(place.path(&name)).unwrap();
+            assert_eq!(text, file["text"].as_str().unwrap());
+            let done = if name.ends_with(".toml") {
+                place.vofkit(&["check", &name])
+            } else if name.ends_with(".csv") {
+                let is_position = text.lines().next().unwrap().ends_with(",f");
+                let task = if is_position { "position" } else { "truncate" };
+                place.vofkit(&["kernel", task, &name, "--out", "out.csv", "--force"])
+            } else {
+                continue;
+            };
+            // What has to be refused is.
+            let may_fail = ["geometry_range", "geometry_inverted", "geometry_collapsed", "fractions_odd"];
+            let fails = stem == "fractions_field" || may_fail.contains(&&*stem) && done.code == Some(1);
+            assert_eq!(done.code, Some(i32::from(fails)), "{name}: {}", done.err);
+        }
+    }
+    for name in ["motion_whirl", "motion_graded", "motion_spin"] {
+        let done = place.vofkit(&["run", &format!("o/{name}.toml"), "--out", name]);
+        assert_eq!(done.code, Some(0), "{name}: {}", done.err);
     }
 }
 

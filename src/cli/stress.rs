@@ -9,7 +9,7 @@ use super::terminal::{self, Failure};
 use crate::report::machine::Machine;
 use crate::report::table;
 use crate::run::threads::Pool;
-use crate::stress::pages::{self, badness};
+use crate::stress::pages::{self, badness, file_name};
 use crate::stress::{self, Family, Tally};
 
 /// Which cases, and how many.
@@ -82,10 +82,10 @@ fn text(tallies: &[Tally]) -> String {
     let rows: Vec<Vec<String>> = std::iter::once(header).chain(tallies.iter().map(row)).collect();
     let mut text = table::columns(&rows);
     for Tally { name, holds, worst, .. } in tallies.iter().filter(|tally| tally.failures > 0) {
-        text.push_str(&format!(
-            "\n{name} falls short: {holds}\nfound: {}\n{}\n",
-            worst.found, worst.reproducer
-        ));
+        text.push_str(&format!("\n{name} falls short: {holds}\nfound: {}\n", worst.found));
+        for file in &worst.reproducer {
+            text.push_str(&format!("{}:\n{}\n", file_name(name, file), file.text));
+        }
     }
     text
 }

@@ -4,7 +4,10 @@ use std::fmt::Write;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
+use serde::Serialize;
 use vofkit_geometry::Vector;
+
+use super::oracle;
 
 /// What is judged.
 #[derive(Clone, Debug)]
@@ -13,8 +16,34 @@ pub enum Input {
     Cell(Box<Row>),
     /// A scene.
     Scene(String),
-    /// A number.
-    Number(f64),
+    /// A number, and what it stands for.
+    Number(f64, fn(f64) -> Vec<CaseFile>),
+}
+
+/// A file of a case, as `vofkit kernel`, `vofkit run` and `vofkit reconstruct` take it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct CaseFile {
+    /// What its name ends with.
+    pub extension: &'static str,
+    /// What is in it.
+    pub text: String,
+}
+
+impl CaseFile {
+    /// A table for `vofkit kernel`.
+    pub(super) fn table(text: String) -> Self {
+        Self { extension: "csv", text }
+    }
+
+    /// A scene.
+    pub(super) fn scene(text: String) -> Self {
+        Self { extension: "toml", text }
+    }
+
+    /// A grid that a scene names.
+    pub(super) fn grid(text: String) -> Self {
+        Self { extension: "vts", text }
+    }
 }
 
 /// A line of a table for `vofkit kernel`.
@@ -31,6 +60,8 @@ pub struct Row {
 /// What a line says of the plane.
 #[derive(Clone, Copy, Debug)]
 pub enum Given {
+    /// The plane constant.
+    Constant(f64),
     /// The plane constant relative to the first node.
     Local(f64),
     /// The fraction below the plane.
@@ -39,21 +70,23 @@ pub enum Given {
 
 impl Input {
     /// The case as the command line takes it.
-    pub fn text(&self) -> String {
+    pub fn files(&self) -> Vec<CaseFile> {
         match self {
-            Self::Cell(row) => row.text(),
-            Self::Scene(text) => text.clone(),
-            Self::Number(number) => format!("{number:?}"),
+            Self::Cell(row) => vec![CaseFile::table(row.text())],
+            Self::Scene(text) => vec![CaseFile::scene(text.clone())],
+            Self::Number(number, files) => files(*number),
         }
     }
 }
 
 impl Row {
-    fn text(&self) -> String {
+    /// A header and a line, with exact results where they are looked for.
+    pub(super) fn text(&self) -> String {
         let mut header: Vec<String> =
             (0..8).flat_map(|node| ["x", "y", "z"].map(|axis| format!("{axis}{node}"))).collect();
         header.extend(["nx", "ny", "nz"].map(str::to_owned));
         let (name, number) = match self.given {
+            Given::Constant(constant) => ("d", constant),
             Given::Local(constant) => ("local_constant", constant),
             Given::Fraction(fraction) => ("f", fraction),
         };
@@ -62,7 +95,16 @@ impl Row {
             // Writing to a string cannot fail.
             let _ = write!(line, "{value:?},");
         }
-        format!("{},{name}\n{line}{number:?}", header.join(","))
+        header.push(name.to_owned());
+        line.push_str(&format!("{number:?}"));
+        if let Given::Constant(constant) = self.given {
+            let exact = oracle::truncate(&self.nodes, &self.normal, constant);
+            header.extend(["cell_volume", "truncated_volume", "section_area"].map(str::to_owned));
+            for value in [exact.cell_volume, exact.truncated_volume, exact.section_area] {
+                line.push_str(&format!(",{value:?}"));
+            }
+        }
+        format!("{}\n{line}\n", header.join(","))
     }
 }
 

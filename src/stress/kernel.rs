@@ -3,13 +3,11 @@
 use std::num::NonZeroUsize;
 
 use gauss_quad::legendre::GaussLegendre;
-use vofkit_geometry::{
-    Cell, Defect, HalfSpace, Hexahedron, PositionError, PositionMethod, Vector, hyperbola,
-};
+use vofkit_geometry::{Cell, HalfSpace, Hexahedron, PositionError, PositionMethod, Vector, hyperbola};
 
 use super::Family;
-use super::case::{Given, Input, Random, Row, Verdict};
-use super::cells::{anything, common, cube, cut, filled, ruled};
+use super::case::{CaseFile, Given, Input, Random, Row, Verdict};
+use super::cells::{anything, box_volume, collapsed, common, cube, cut, filled, is_valid, ruled};
 
 /// Rounding of volumes, relative to the cell or, where terms cancel, to the box around it.
 const VOLUME: f64 = 1e-13;
@@ -35,16 +33,9 @@ pub(super) const FAMILIES: &[Family] = &[
     },
     Family {
         name: "geometry/through",
-        holds: "planes through vertices, along edges and in faces leave parts that add up, change by the section's area, and are finite",
+        holds: "planes through vertices, along edges, in faces and through saddles leave parts that add up, change by the section's area, and are finite",
         weight: 1,
-        draw: through,
-        judge: |input| on_cell(input, |row| parts(row).or(smooth(row))),
-    },
-    Family {
-        name: "geometry/saddle",
-        holds: "planes through the saddle of a face leave parts that add up and change by the section's area",
-        weight: 1,
-        draw: saddle,
+        draw: |random| if random.below(3) == 0 { saddle(random) } else { through(random) },
         judge: |input| on_cell(input, |row| parts(row).or(smooth(row))),
     },
     Family {
@@ -53,9 +44,10 @@ pub(super) const FAMILIES: &[Family] = &[
         weight: 4,
         draw: |random| {
             let magnitude = 10.0_f64.powf(random.within(-15.0, 15.0));
-            Input::Number(if random.below(2) == 0 { magnitude } else { magnitude.min(1.0 / magnitude) - 1.0 })
+            let w = if random.below(2) == 0 { magnitude } else { magnitude.min(1.0 / magnitude) - 1.0 };
+            Input::Number(w, |w| vec![CaseFile::table(with_hyperbola(w).text())])
         },
-        judge: |input| if let Input::Number(w) = input { moments(*w) } else { Verdict::good("") },
+        judge: |input| if let Input::Number(w, _) = input { moments(*w) } else { Verdict::good("") },
     },
     Family {
         name: "geometry/scaled",
@@ -99,14 +91,8 @@ pub(super) const FAMILIES: &[Family] = &[
         holds: "cells with edges and faces collapsed have parts that add up and, where the check lets them pass, positions",
         weight: 1,
         draw: |random| {
-            let mut nodes = ruled(random, 0.1);
-            for _ in 0..=random.below(4) {
-                let (node, axis) = (random.below(8), random.below(3));
-                let beside = Hexahedron::OFFSETS.iter().position(|offset| {
-                    (0..3).all(|k| (offset[k] != Hexahedron::OFFSETS[node][k]) == (k == axis))
-                });
-                nodes[node] = nodes[beside.unwrap_or(node)];
-            }
+            let nodes = ruled(random, 0.1);
+            let nodes = collapsed(random, nodes);
             let normal = random.unit();
             filled(nodes, normal, random.within(0.0, 1.0))
         },
@@ -197,14 +183,7 @@ fn saddle(random: &mut Random) -> Input {
 
 /// The volume that errors are relative to: of the cell, or of the box around it.
 fn scale(cell: &Hexahedron) -> f64 {
-    let nodes = cell.nodes();
-    let low = nodes.iter().fold(nodes[0], |low, x| low.inf(x));
-    let high = nodes.iter().fold(nodes[0], |high, x| high.sup(x));
-    if is_valid(cell) { cell.volume() } else { (high - low).product() }
-}
-
-fn is_valid(cell: &Hexahedron) -> bool {
-    !cell.defects().iter().any(Defect::is_error)
+    if is_valid(cell) { cell.volume() } else { box_volume(cell) }
 }
 
 fn parts(row: &Row) -> Verdict {
@@ -231,6 +210,22 @@ fn smooth(row: &Row) -> Verdict {
     let error = (2.0 * step * least - change).max(change - 2.0 * step * most).max(0.0);
     let allowed = VOLUME * scale(&cell) + 40.0 * step * step;
     Verdict::of(error, allowed, format!("a change of {change:e} with areas {areas:?}"))
+}
+
+/// A cell with a face that the plane meets in this hyperbola: of the heights `s` at its corners one is below,
+/// and `1 + w = (s2 s4 - s1 s3) / ((s2 - s1)(s4 - s1))`.
+fn with_hyperbola(w: f64) -> Row {
+    let mut nodes = cube();
+    let [side, far] = if w > 0.0 {
+        [1.0, 4.0 * (1.0 + w) - 1.0]
+    } else {
+        let share = (0.5 * (1.0 + w)).sqrt();
+        [share / (1.0 - share), (share / (1.0 - share)).powi(2)]
+    };
+    for (node, height) in [(4, -1.0), (5, side), (6, far), (7, side)] {
+        nodes[node][2] = 2.0 + height;
+    }
+    Row { nodes, normal: Vector::<3>::z(), given: Given::Constant(2.0) }
 }
 
 /// `M00` and `M10` against a quadrature of `g = (1 - t)/(1 + w t)` in `s = ln(1 + w t)`, where it is smooth.

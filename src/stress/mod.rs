@@ -2,15 +2,17 @@
 //! one kept as a reproducer that `vofkit kernel` or `vofkit run` take as it is.
 //!
 //! - this file: families, and how their cases are worked through; [`case`]: inputs and verdicts;
-//! - `cells`: cells and planes; `kernel`: what the geometry kernel owes them; `motion`: scenes, and what every run of them owes;
-//!   `fields`: fractions that are none, and meshes that scenes cannot name;
+//! - `cells`: cells and planes; `kernel`: what the geometry kernel owes them; `exact`: how near it comes to the `oracle`, which has twice
+//!   its digits; `motion`: scenes, and what every run of them owes; `fields`: fractions that are none, and meshes that scenes cannot name;
 //! - [`pages`]: the report.
 
 pub mod case;
 mod cells;
+mod exact;
 mod fields;
 mod kernel;
 mod motion;
+mod oracle;
 pub mod pages;
 mod scenery;
 
@@ -19,7 +21,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use serde::Serialize;
 
 use crate::parallel;
-use case::{Input, Random, Verdict};
+use case::{CaseFile, Input, Random, Verdict};
 
 /// What is drawn and what must hold of it.
 #[derive(Clone, Copy, Debug)]
@@ -56,13 +58,13 @@ pub struct Worst {
     pub badness: Option<f64>,
     /// What was found.
     pub found: String,
-    /// The case, as `vofkit kernel` or `vofkit run` take it.
-    pub reproducer: String,
+    /// The case: a table for `vofkit kernel`, or a scene for `vofkit run` and a grid that it names.
+    pub reproducer: Vec<CaseFile>,
 }
 
 /// All families.
 pub fn families() -> Vec<Family> {
-    [kernel::FAMILIES, fields::FAMILIES, motion::FAMILIES].concat()
+    [kernel::FAMILIES, exact::FAMILIES, fields::FAMILIES, motion::FAMILIES].concat()
 }
 
 /// Works through the cases of a family: `cases` of one that is a cell and a plane, fewer of others.
@@ -75,7 +77,7 @@ pub fn run(family: &Family, seed: u64, cases: usize) -> Tally {
     let failures = verdicts.iter().filter(|verdict| !verdict.holds()).count();
     let worse = |a: &usize, b: &usize| verdicts[*a].rank().total_cmp(&verdicts[*b].rank()).then(b.cmp(a));
     let place = (0..count).max_by(worse).unwrap_or_default();
-    let reproducer = (family.draw)(&mut Random::new(seed, family.name, place)).text();
+    let reproducer = (family.draw)(&mut Random::new(seed, family.name, place)).files();
     let Verdict { badness, found } = &verdicts[place];
     let badness = badness.is_finite().then_some(*badness);
     let worst = Worst { badness, found: found.clone(), reproducer };
@@ -97,20 +99,22 @@ mod tests {
             name: "test",
             holds: "numbers stay below 0.5",
             weight: 1,
-            draw: |random| Input::Number(random.within(0.0, 1.0)),
+            draw: |random| {
+                Input::Number(random.within(0.0, 1.0), |number| vec![CaseFile::scene(format!("{number:?}"))])
+            },
             judge,
         }
     }
 
     fn number(input: &Input) -> f64 {
-        if let Input::Number(number) = input { *number } else { f64::NAN }
+        if let Input::Number(number, _) = input { *number } else { f64::NAN }
     }
 
     #[test]
     fn what_falls_short_is_counted_and_the_worst_is_kept() {
         let tally = run(&family(|input| Verdict::of(number(input), 0.5, "a number")), 1, 1000);
         assert!((450..=550).contains(&tally.failures), "{tally:?}");
-        let worst: f64 = tally.worst.reproducer.parse().unwrap();
+        let worst: f64 = tally.worst.reproducer[0].text.parse().unwrap();
         assert!(worst > 0.99 && tally.worst.badness == Some(worst / 0.5), "{tally:?}");
     }
 

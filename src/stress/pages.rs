@@ -1,10 +1,11 @@
-//! The report of stress cases: `stress.html`, `stress.md` and `stress.json`.
+//! The report of stress cases: `stress.html`, `stress.md` and `stress.json`, and the worst case of each family in files of its own.
 
 use std::io::Write;
 use std::path::Path;
 
 use serde::Serialize;
 
+use super::case::CaseFile;
 use super::{Tally, Worst};
 use crate::export::{ExportError, write_file};
 use crate::report::document::{Block, Document};
@@ -30,8 +31,18 @@ pub fn write(tallies: &[Tally], seed: u64, machine: &Machine, folder: &Path) -> 
         serde_json::to_writer_pretty(&mut *writer, &Results { seed, machine, families: tallies })?;
         writeln!(writer)
     })?;
+    for Tally { name, worst, .. } in tallies {
+        for file in &worst.reproducer {
+            text(&file_name(name, file), &file.text)?;
+        }
+    }
     text("stress.md", &document.to_markdown())?;
     text("stress.html", &document.to_html())
+}
+
+/// The name of a file of a family's worst case.
+pub fn file_name(family: &str, file: &CaseFile) -> String {
+    format!("{}.{}", family.replace('/', "_"), file.extension)
 }
 
 /// The badness in words.
@@ -55,7 +66,10 @@ fn document(tallies: &[Tally], seed: u64, machine: &Machine) -> Document {
     document.heading("What must hold, and the worst cases");
     for Tally { name, holds, worst, .. } in tallies {
         document.text(format!("{name}: {holds}. Worst: {}.", worst.found));
-        document.blocks.push(Block::Verbatim(worst.reproducer.clone()));
+        for file in &worst.reproducer {
+            document.text(file_name(name, file));
+            document.blocks.push(Block::Verbatim(file.text.clone()));
+        }
     }
     document.heading("How this was made");
     document.table(&["", ""], machine.rows());
