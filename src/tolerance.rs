@@ -140,6 +140,10 @@ pub const KEPT_ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Unsplit contents may be out of bounds by this much, relative to the cell: rounding. More means that a pre-image folds over.
 pub const FRACTION_EXCESS: f64 = 1e-12;
 
+/// The volume of a pre-image may differ from what the fluxes make it by this, relative to the larger of the cell and the box around
+/// it: the rounding of any cell. More means that its corners lie so far away that what is cut from it would be rounding.
+pub const PREIMAGE_ROUNDING: f64 = 1e-12;
+
 /// Cells around one that is not settled, at most, that a step looks at. Nodes that come from further away have left every
 /// Courant number behind; on a mesh with collapsed cells the bound for how far they come would be infinite.
 pub const LARGEST_RADIUS: f64 = 64.0;

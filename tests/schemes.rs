@@ -175,3 +175,65 @@ fn symmetric_cartesian_sweeps_are_the_logical_ones_on_boxes() {
     );
     assert!(ledger.materials[0].clipped <= 1e-2, "{:?}", ledger.materials[0]);
 }
+
+/// Three steps of a uniform flow that start with number `first`.
+fn pushed<C: Cell<D>, const D: usize>(
+    mesh: &Mesh<C, D>,
+    velocity: Vector<3>,
+    settings: Settings<D>,
+    fractions: &[f64],
+    first: usize,
+) -> Vec<f64> {
+    let field = Field::Uniform { velocity };
+    let mut transport = Transport::new(mesh, steady(field), settings).expect("open ends");
+    let mut fractions = vec![fractions.to_vec()];
+    for step in first..first + 3 {
+        let [start, end] = [0.0, 1.0].map(|part| 0.02 * (step as f64 + part));
+        transport.step(&mut fractions, step, start, end).expect("a small step");
+    }
+    fractions.remove(0)
+}
+
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn turned_twins_turn_together() {
+    let turn = nalgebra::Rotation3::from_euler_angles(0.3, -0.8, 1.1);
+    let mesh: Mesh3 = unit_mesh(8, random(0.2, 5));
+    let nodes = mesh.nodes().iter().map(|x| turn * x).collect();
+    let turned: Mesh3 = Mesh::from_nodes(mesh.grid().clone(), nodes).expect("valid cells");
+    let start = volume_fractions(&mesh, &[ball([0.45; 3], 0.25)]).remove(0);
+    let velocity = Vector::<3>::new(0.8, 0.5, -0.6);
+    for settings in [Settings::default(), scheme(Scheme::Isotropic), scheme(Scheme::Unsplit)] {
+        let here = pushed(&mesh, velocity, settings, &start, 0);
+        let there = pushed(&turned, turn * velocity, settings, &start, 0);
+        let difference = largest_difference(&here, &there);
+        assert!(difference <= 1e-9, "{}: {difference:e}", settings.scheme);
+        assert!(largest_difference(&here, &start) >= 0.1);
+    }
+}
+
+#[test]
+fn relabelled_twins_move_alike() {
+    let mesh: Mesh2 = unit_mesh(16, random(0.25, 5));
+    // Counted along the old y, and backwards along the old x.
+    let old = |place: usize, count: usize| {
+        let [i, j] = [place % count, place / count];
+        (count - 1 - j) + i * count
+    };
+    let nodes = (0..17 * 17).map(|node| mesh.nodes()[old(node, 17)]).collect();
+    let relabelled: Mesh2 = Mesh::from_nodes(mesh.grid().clone(), nodes).expect("valid cells");
+    let start = volume_fractions(&mesh, &[ball([0.45; 2], 0.25)]).remove(0);
+    let start_there: Vec<f64> = (0..256).map(|cell| start[old(cell, 16)]).collect();
+    let velocity = Vector::<3>::new(0.8, 0.5, 0.0);
+    for settings in [Settings::default(), scheme(Scheme::Isotropic), scheme(Scheme::Unsplit)] {
+        let here = pushed(&mesh, velocity, settings, &start, 0);
+        // The first sweep of an odd step is along the second axis.
+        let there = pushed(&relabelled, velocity, settings, &start_there, 1);
+        let here: Vec<f64> = (0..256).map(|cell| here[old(cell, 16)]).collect();
+        let difference = largest_difference(&here, &there);
+        assert!(difference <= 1e-10, "{}: {difference:e}", settings.scheme);
+    }
+}

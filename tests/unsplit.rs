@@ -4,7 +4,7 @@ mod common;
 
 use common::{Mesh2, Mesh3, fixed, random, unit_mesh};
 use proptest::prelude::*;
-use vofkit::advection::{Ledger, Scheme, Settings, StepError, SweepAxes, Transport};
+use vofkit::advection::{End, Ledger, Scheme, Settings, StepError, SweepAxes, Transport};
 use vofkit::fractions::volume_fractions;
 use vofkit::geometry::{Cell, HalfSpace, Vector};
 use vofkit::interface::Reconstruction;
@@ -321,6 +321,48 @@ fn a_fold_is_an_error_that_changes_nothing() {
     let StepError::Folded { cell, fraction } = error else { panic!("{error}") };
     assert!(cell.len() == 2 && !(0.0..=1.0).contains(&fraction), "{cell:?} {fraction}");
     assert_eq!(fractions, start);
+}
+
+/// One step of this Courant number from fractions without a pattern: it keeps the account, or is an error that changes nothing.
+fn keeps_its_account(mesh: &Mesh2, field: Field, courant: f64) -> Result<Ledger, StepError> {
+    let start: Vec<Vec<f64>> = (0..2)
+        .map(|k| (0..mesh.grid().len()).map(|cell| ((cell * 5 + k * 3 + 2) % 7) as f64 / 12.0).collect())
+        .collect();
+    let mut fractions = start.clone();
+    let result = run(&mut unsplit(mesh, steady(field)), &mut fractions, courant, 1);
+    let Ok(ledger) = &result else {
+        assert_eq!(fractions, start);
+        return result;
+    };
+    for (k, account) in ledger.materials.iter().enumerate() {
+        let [before, after] = [&start[k], &fractions[k]].map(|f| material_volume(mesh, f));
+        let drift = after - before + account.outflow;
+        assert!(drift.abs() <= 1e-12, "{drift:e} of {before}: {account:?}");
+    }
+    result
+}
+
+#[test]
+fn pre_images_of_which_no_digits_are_left_are_an_error() {
+    // The stream function is nothing but the rounding of pi at all nodes: it takes a step of 1e32 to make anything of it, in which
+    // a node comes from 1e16 cells away.
+    let mesh = Mesh2::unit([1, 2], &Distortion::None).expect("a valid mesh");
+    let error = keeps_its_account(&mesh, Field::ReversedVortex, 0.56).expect_err("no digits");
+    let StepError::Scattered { volume, found, .. } = error else { panic!("{error}") };
+    assert!(volume == 0.5 && (found - volume).abs() >= 1e-3, "{error}");
+    assert!(error.is_too_large());
+}
+
+#[test]
+fn what_crosses_walls_that_nodes_leave_is_accounted_for() {
+    // As much goes out through one half of a wall at the lower and upper end of x as comes in through the other.
+    let grid = Grid::new([2, 1], [false; 2]);
+    let [lower, upper] = [0.25, 0.75].map(Vector::repeat);
+    let mesh = Mesh2::new(grid, lower, upper, &Distortion::None).expect("a valid mesh");
+    let transport = unsplit(&mesh, steady(Field::ReversedVortex));
+    assert_eq!(transport.boundary().ends[0], [End::Wall; 2]);
+    let ledger = keeps_its_account(&mesh, Field::ReversedVortex, 0.3).expect("no fold");
+    assert!(ledger.materials.iter().all(|account| account.outflow.abs() >= 1e-3), "{ledger:?}");
 }
 
 #[cfg(feature = "parallel")]

@@ -45,6 +45,8 @@ pub(super) struct Finding<const D: usize> {
     pub(super) held: Result<Held, Full>,
     /// Whether it was cut and may fold over.
     pub(super) is_folded: bool,
+    /// Its volume, where that is not what it should be: its contents were not looked for then.
+    pub(super) wrong_volume: Option<f64>,
     /// Its pieces, and those of what crosses open ends; none where no quantities are carried.
     pub(super) arriving: Record<D>,
     pub(super) leaving: Record<D>,
@@ -52,14 +54,20 @@ pub(super) struct Finding<const D: usize> {
 
 impl<const D: usize> Finding<D> {
     pub(super) fn new() -> Self {
-        Self { held: Ok(Held::One), is_folded: false, arriving: Vec::new(), leaving: Vec::new() }
+        Self {
+            held: Ok(Held::One),
+            is_folded: false,
+            wrong_volume: None,
+            arriving: Vec::new(),
+            leaving: Vec::new(),
+        }
     }
 
     /// Forgets what was found, and keeps the memory.
     pub(super) fn reset(&mut self) {
         self.arriving.clear();
         self.leaving.clear();
-        (self.held, self.is_folded) = (Ok(Held::One), false);
+        (self.held, self.is_folded, self.wrong_volume) = (Ok(Held::One), false, None);
     }
 }
 

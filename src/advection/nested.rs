@@ -4,12 +4,11 @@
 //! The planes are placed on the cells' [tiles](vofkit_geometry::clip::tile), so that the pieces that are cut from them later add
 //! up to what the cells hold.
 
-use vofkit_geometry::clip::Tile;
-use vofkit_geometry::{Cell, HalfSpace};
+use vofkit_geometry::Cell;
 
 use super::places::Places;
 use crate::interface::{
-    Counts, Dissector, Materials, Placed, Reconstruction, ReconstructionError, Share, Shared, is_mixed,
+    Body, Counts, Dissector, Materials, Placed, Reconstruction, ReconstructionError, Share, Shared, is_mixed,
     planes_of_all,
 };
 use crate::mesh::Mesh;
@@ -58,7 +57,7 @@ impl<const D: usize> Nested<D> {
         cells.filter(mixed).for_each(|cell| self.cells.insert(cell));
         let cells: Vec<usize> = self.cells.items().iter().map(|&cell| cell as usize).collect();
         let mut counts = Counts::default();
-        let planes = planes_of_all(mesh, fractions, &cells, method, &mut counts, stopwatch)?;
+        let planes = planes_of_all(Body::Tile, mesh, fractions, &cells, method, &mut counts, stopwatch)?;
         self.components = fractions.len() + 1;
         self.shares.clear();
         self.shares.resize(cells.len() * self.components, None);
@@ -70,17 +69,16 @@ impl<const D: usize> Nested<D> {
             |dissector, slot, result, shares| {
                 let planes = &planes[slot * fractions.len()..][..fractions.len()];
                 let index = cells[slot];
+                if !planes.iter().flatten().any(Placed::is_nested) {
+                    alone(fractions, index, planes, shares);
+                    return;
+                }
                 let cell = mesh.local_cell(index);
-                if planes.iter().flatten().any(Placed::is_nested) {
-                    let dissector = dissector.get_or_insert_with(Dissector::default);
-                    let shared = Shared { mesh, fractions, planes, index, cell: &cell };
-                    *result = dissector.dissect(shared, [cell], method, |_, _, _| {});
-                    for (place, (material, share)) in shares.iter_mut().zip(dissector.shares()) {
-                        *place = Some((material.unwrap_or(fractions.len()), share));
-                    }
-                } else {
-                    *result =
-                        alone(mesh, fractions, index, planes, method, shares).map(|()| Counts::default());
+                let dissector = dissector.get_or_insert_with(Dissector::default);
+                let shared = Shared { mesh, fractions, planes, index, cell: &cell };
+                *result = dissector.dissect(shared, [cell], method, |_, _, _| {});
+                for (place, (material, share)) in shares.iter_mut().zip(dissector.shares()) {
+                    *place = Some((material.unwrap_or(fractions.len()), share));
                 }
             },
         );
@@ -93,30 +91,21 @@ impl<const D: usize> Nested<D> {
 }
 
 /// The shares of one material and void, or of two materials that fill a cell.
-fn alone<C: Cell<D>, const D: usize>(
-    mesh: &Mesh<C, D>,
+fn alone<const D: usize>(
     fractions: &[Vec<f64>],
     index: usize,
     planes: &[Option<Placed<D>>],
-    method: Reconstruction,
     shares: &mut [Option<(usize, Share<D>)>],
-) -> Result<(), ReconstructionError> {
+) {
     let mut here = (0..fractions.len()).filter(|&k| fractions[k][index] > 0.0);
-    let (Some(first), second) = (here.next(), here.next()) else { return Ok(()) };
+    let (Some(first), second) = (here.next(), here.next()) else { return };
     let fraction = fractions[first][index];
-    let share = match &planes[first] {
+    let share = match planes[first] {
         Some(Placed::Plane { half_space, .. }) if fraction < 1.0 - FRACTION_ROUNDING => {
-            let normal = half_space.normal;
-            let cell = mesh.local_cell(index);
-            let found =
-                C::Tile::plane_constant(&cell, &normal, fraction, method.position).map_err(|source| {
-                    ReconstructionError::Cell { cell: mesh.grid().offset(index).to_vec(), fraction, source }
-                })?;
-            Share::Below(HalfSpace { normal, constant: found.constant })
+            Share::Below(half_space)
         }
         _ => Share::Even(fraction),
     };
     shares[0] = Some((first, share));
     shares[1] = Some((second.unwrap_or(fractions.len()), Share::Rest));
-    Ok(())
 }

@@ -68,6 +68,19 @@ pub enum StepError {
         /// The fraction of a material that would be in it; not a number where the pre-image folds too often to be cut.
         fraction: f64,
     },
+    /// The pre-image of a cell reaches so far that its volume has lost its digits.
+    #[error(
+        "the time step is too large: the pre-image of cell {cell:?}, whose volume is {volume:.6e}, reaches so far that \
+         {found:.6e} is found for it"
+    )]
+    Scattered {
+        /// The cell's index along each axis.
+        cell: Vec<usize>,
+        /// The volume that the pre-image has by the fluxes: that of the cell.
+        volume: f64,
+        /// The volume by its corners.
+        found: f64,
+    },
     /// Open ends through which a material flows in that is not there.
     #[error("material {material} is to flow in through open ends, and there are {materials}")]
     Inflow {
@@ -88,6 +101,13 @@ pub enum StepError {
     /// A quantity that cannot be carried.
     #[error(transparent)]
     Quantity(#[from] QuantityError),
+}
+
+impl StepError {
+    /// Whether shorter steps may go where this one could not.
+    pub fn is_too_large(&self) -> bool {
+        matches!(self, Self::Overdrawn { .. } | Self::Folded { .. } | Self::Scattered { .. })
+    }
 }
 
 /// Moves the fractions of materials through a mesh that stands still.

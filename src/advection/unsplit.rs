@@ -6,11 +6,15 @@
 //! as one piece, a content is between nothing and the whole, to rounding, wherever pre-images do not fold over, and fractions
 //! need no correction. Pre-images fill the mesh, folded or not, so the volume of a material changes by rounding alone.
 //!
-//! What crosses open ends is counted by the swept regions of the faces there.
+//! What crosses the ends of the mesh is counted by the swept regions of the faces there. That goes for walls, too: no volume crosses
+//! them in all, but where nodes leave a wall what goes out on one side comes in on the other.
+//!
+//! The account is as good as the volumes of the pre-images, which are known beforehand: a step in which one has lost its digits,
+//! because nodes come from too far away, is refused.
 //!
 //! Where materials rest while the mesh moves, the pre-image of a cell is the cell at its new place.
 
-use vofkit_geometry::clip::{Full, Region};
+use vofkit_geometry::clip::{Full, Region, bounds};
 use vofkit_geometry::{Cell, Vector};
 
 use super::band::Band;
@@ -28,7 +32,7 @@ use crate::mesh::locate::Locator;
 use crate::parallel;
 use crate::quantity::State;
 use crate::stopwatch::Stopwatch;
-use crate::tolerance::{FRACTION_EXCESS, LARGEST_RADIUS};
+use crate::tolerance::{FRACTION_EXCESS, LARGEST_RADIUS, PREIMAGE_ROUNDING};
 
 /// What stays from step to step.
 #[derive(Clone, Debug)]
@@ -103,9 +107,14 @@ impl<C: Cell<D>, const D: usize> Step<'_, C, D> {
         });
         let region = preimage::<C, D>(&nodes, &faces[..C::FACES]);
         let volume = self.volumes[cell];
+        let found = region.volume();
+        if !is_kept(found, volume, &nodes[0][..C::OFFSETS.len()]) {
+            finding.wrong_volume = Some(found);
+            return Ok(());
+        }
         let held = source.contents(&region, &origin, volume, scratch, contents, &mut finding.arriving)?;
         for (face, traced) in faces[..C::FACES].iter().enumerate() {
-            if self.end(offset, face) == Some(End::Outflow) {
+            if self.end(offset, face).is_some() {
                 let swept = traced.swept::<C>();
                 let flux = self.outward(offset, face).unwrap_or_else(|| swept.volume());
                 source.contents(&swept, &origin, flux, scratch, crossing, &mut finding.leaving)?;
@@ -120,6 +129,12 @@ impl<C: Cell<D>, const D: usize> Step<'_, C, D> {
         finding.is_folded = held == Held::Several && !region.is_seen_from(&centre);
         Ok(())
     }
+}
+
+/// Whether the volume of a pre-image is that of its cell, but for the rounding that a cell with these nodes has.
+fn is_kept<const D: usize>(found: f64, wanted: f64, nodes: &[Vector<D>]) -> bool {
+    let [low, high] = bounds(nodes);
+    (found - wanted).abs() <= PREIMAGE_ROUNDING * (high - low).product().max(wanted)
 }
 
 /// Volumes of each material that a step keeps for each cell.
@@ -180,6 +195,12 @@ impl<const D: usize> Unsplit<D> {
         let offset = |slot: usize| step.mesh.grid().offset(cells[slot] as usize).to_vec();
         if let Some(slot) = findings.iter().position(|finding| finding.held.is_err()) {
             return Err(StepError::Folded { cell: offset(slot), fraction: f64::NAN });
+        }
+        let wrong =
+            findings.iter().enumerate().find_map(|(slot, finding)| Some((slot, finding.wrong_volume?)));
+        if let Some((slot, found)) = wrong {
+            let volume = step.volumes[cells[slot] as usize];
+            return Err(StepError::Scattered { cell: offset(slot), volume, found });
         }
         if !step.overdraft {
             let kept = volumes.chunks(KEPT * materials);

@@ -8,6 +8,7 @@ pub mod nested;
 mod order;
 pub mod sharing;
 
+use vofkit_geometry::clip::Tile;
 use vofkit_geometry::{Cell, HalfSpace, PositionError, PositionMethod};
 
 pub(crate) use nested::region;
@@ -220,6 +221,15 @@ pub fn check_fractions<const D: usize>(grid: &Grid<D>, fractions: &[f64]) -> Res
     }
 }
 
+/// What the plane constants are found on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Body {
+    /// The cell with its ruled faces.
+    Cell,
+    /// Its [tile](vofkit_geometry::clip::tile), from which its materials are cut.
+    Tile,
+}
+
 /// Places the planes of one material in the mixed `cells` (indices, ascending), one for each. A method that
 /// [reads its neighbours](NormalMethod::reads_neighbours) finds them among these cells alone, so that all mixed cells around the
 /// wanted ones should be among them; for others any set will do.
@@ -231,11 +241,12 @@ pub fn planes<C: Cell<D>, const D: usize>(
     cells: &[usize],
     method: Reconstruction,
 ) -> Result<Vec<Placed<D>>, ReconstructionError> {
-    planes_timed(material, cells, method, &mut Stopwatch::default())
+    planes_timed(Body::Cell, material, cells, method, &mut Stopwatch::default())
 }
 
-/// The same, with the normals and the plane constants timed.
+/// The same on a body of choice, with the normals and the plane constants timed.
 pub(crate) fn planes_timed<C: Cell<D>, const D: usize>(
+    body: Body,
     material: Material<'_, C, D>,
     cells: &[usize],
     method: Reconstruction,
@@ -244,7 +255,8 @@ pub(crate) fn planes_timed<C: Cell<D>, const D: usize>(
     let found = method.normal.normals(material, cells, method.position);
     stopwatch.lap(|seconds| &mut seconds.normals);
     let placed = parallel::map(cells.len(), |i| {
-        place_along(material, cells[i], &material.mesh.local_cell(cells[i]), found[i], method.position)
+        let cell = material.mesh.local_cell(cells[i]);
+        place_along(body, material, cells[i], &cell, found[i], method.position)
     });
     let placed = placed.into_iter().collect();
     stopwatch.lap(|seconds| &mut seconds.positions);
@@ -253,6 +265,7 @@ pub(crate) fn planes_timed<C: Cell<D>, const D: usize>(
 
 /// The plane of one mixed cell with the normal that was found.
 fn place_along<C: Cell<D>, const D: usize>(
+    body: Body,
     material: Material<'_, C, D>,
     index: usize,
     cell: &C,
@@ -264,7 +277,11 @@ fn place_along<C: Cell<D>, const D: usize>(
         Err(reason) => return Ok(Placed::NoNormal(reason)),
     };
     let fraction = material.fractions[index];
-    let found = cell.plane_constant(&normal, fraction, position).map_err(|source| {
+    let found = match body {
+        Body::Cell => cell.plane_constant(&normal, fraction, position),
+        Body::Tile => C::Tile::plane_constant(cell, &normal, fraction, position),
+    };
+    let found = found.map_err(|source| {
         let cell = material.mesh.grid().offset(index).to_vec();
         ReconstructionError::Cell { cell, fraction, source }
     })?;
@@ -300,7 +317,7 @@ pub fn reconstruct<C: Cell<D>, const D: usize>(
         (0..mesh.grid().len()).filter(|&i| fractions.iter().any(|f| is_mixed(f[i]))).collect();
     let mut interface = Interface::default();
     let (counts, untimed) = (&mut interface.counts, &mut Stopwatch::default());
-    let planes = planes_of_all(mesh, fractions, &cells, method, counts, untimed)?;
+    let planes = planes_of_all(Body::Cell, mesh, fractions, &cells, method, counts, untimed)?;
     let made = parallel::map(cells.len(), |i| {
         let (index, planes) = (cells[i], &planes[i * fractions.len()..][..fractions.len()]);
         if planes.iter().flatten().any(Placed::is_nested) {

@@ -3,7 +3,7 @@
 use vofkit_geometry::Cell;
 
 use super::order::{Next, Queue};
-use super::{Counts, Placed, Reconstruction, ReconstructionError, is_mixed, place_along, planes_timed};
+use super::{Body, Counts, Placed, Reconstruction, ReconstructionError, is_mixed, place_along, planes_timed};
 use crate::mesh::Mesh;
 use crate::normal::{Material, NoNormal, Stencil};
 use crate::parallel;
@@ -42,6 +42,7 @@ enum Sharing<const D: usize> {
 /// # Errors
 /// Fractions of a cell that add up to more than 1, and those of [`planes`](super::planes).
 pub(crate) fn planes_of_all<C: Cell<D>, const D: usize>(
+    body: Body,
     mesh: &Mesh<C, D>,
     fractions: &[Vec<f64>],
     cells: &[usize],
@@ -51,7 +52,7 @@ pub(crate) fn planes_of_all<C: Cell<D>, const D: usize>(
 ) -> Result<Vec<Option<Placed<D>>>, ReconstructionError> {
     let materials = fractions.len();
     let sharing = if materials > 1 && method.materials != Materials::Independent {
-        parallel::map(cells.len(), |i| sharing(mesh, fractions, cells[i], method))
+        parallel::map(cells.len(), |i| sharing(body, mesh, fractions, cells[i], method))
             .into_iter()
             .collect::<Result<_, _>>()?
     } else {
@@ -68,7 +69,7 @@ pub(crate) fn planes_of_all<C: Cell<D>, const D: usize>(
         let (places, mixed): (Vec<usize>, Vec<usize>) =
             cells.iter().enumerate().filter(|&(i, &cell)| is_mixed(f[cell]) && needed(i)).unzip();
         let own = Material { mesh, fractions: f, centroids: None };
-        let placed = planes_timed(own, &mixed, method, stopwatch)?;
+        let placed = planes_timed(body, own, &mixed, method, stopwatch)?;
         for (place, placed) in places.into_iter().zip(placed) {
             all[place * materials + material] = Some(placed);
         }
@@ -95,6 +96,7 @@ pub(crate) fn planes_of_all<C: Cell<D>, const D: usize>(
 }
 
 fn sharing<C: Cell<D>, const D: usize>(
+    body: Body,
     mesh: &Mesh<C, D>,
     fractions: &[Vec<f64>],
     index: usize,
@@ -120,7 +122,7 @@ fn sharing<C: Cell<D>, const D: usize>(
     let material = Material { mesh, fractions: &fractions[materials[0]], centroids: None };
     let cell = mesh.local_cell(index);
     let found = method.normal.normal_among(material, index, &cell, sought, method.position);
-    let placed = Some(place_along(material, index, &cell, found, method.position)?);
+    let placed = Some(place_along(body, material, index, &cell, found, method.position)?);
     Ok(Sharing::Two { materials, placed })
 }
 

@@ -101,7 +101,7 @@ impl<const D: usize> Locator<D> {
             let at_end = |candidate: &Candidate<D>| {
                 (0..2).any(|side| grid.neighbour(candidate.cell, axis, side).is_none())
             };
-            found.iter().any(at_end)
+            found.is_empty() || found.iter().any(at_end)
         })
     }
 

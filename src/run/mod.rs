@@ -57,7 +57,7 @@ use table::Table;
 use tally::Tally;
 pub(crate) use tally::{mixed_cells, not_asked_for};
 
-use crate::advection::{Ledger, StepError};
+use crate::advection::Ledger;
 use crate::export::{ExportError, write_file};
 use crate::facet::Facet;
 use crate::interface::reconstruct;
@@ -383,8 +383,8 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
                     ledger.add(&of_part);
                     part += 1;
                 }
-                Err(TransportError::Step(StepError::Overdrawn { .. } | StepError::Folded { .. }))
-                    if splits && count < MOST_SUBSTEPS =>
+                Err(TransportError::Step(error))
+                    if splits && count < MOST_SUBSTEPS && error.is_too_large() =>
                 {
                     *substeps *= 2;
                     part *= 2;

@@ -16,7 +16,7 @@ use super::tally::{mixed_cells, not_asked_for};
 use super::{RunError, RunOptions};
 use crate::export::write_file;
 use crate::facet::Facet;
-use crate::interface::{Counts, ReconstructionError, check_fractions, facet, is_mixed, planes_timed};
+use crate::interface::{Body, Counts, ReconstructionError, check_fractions, facet, is_mixed, planes_timed};
 use crate::mesh::Mesh;
 use crate::metrics::{facet_gap_mean, material_volume};
 use crate::normal::Material;
@@ -131,7 +131,7 @@ impl<const D: usize> Found<D> {
             let mixed: Vec<usize> = (0..fractions.len()).filter(|&cell| is_mixed(fractions[cell])).collect();
             let material = Material { mesh, fractions, centroids: None };
             let mut stopwatch = Stopwatch::started();
-            let placed = planes_timed(material, &mixed, scene.reconstruction, &mut stopwatch)?;
+            let placed = planes_timed(Body::Cell, material, &mixed, scene.reconstruction, &mut stopwatch)?;
             seconds.normals += stopwatch.seconds().normals;
             seconds.positions += stopwatch.seconds().positions;
             let mut counts = Counts::default();

@@ -259,7 +259,7 @@ fn advance<C: Cell<D>, const D: usize>(
             ledger.add(&done);
             Ok(())
         }
-        Err(StepError::Overdrawn { .. } | StepError::Folded { .. }) if halvings > 0 => {
+        Err(error) if halvings > 0 && error.is_too_large() => {
             let middle = 0.5 * (start + end);
             advance(mover, fractions, 2 * number, [start, middle], run_end, halvings - 1, ledger)?;
             advance(mover, fractions, 2 * number + 1, [middle, end], run_end, halvings - 1, ledger)

@@ -7,7 +7,7 @@ use super::measure::{Measures, Named, Spread};
 use super::plan::{self, Combination};
 use super::subject::{along_axis, mean, repeated};
 use crate::facet::Facet;
-use crate::interface::{Counts, is_mixed, planes_timed, reconstruct};
+use crate::interface::{Body, Counts, is_mixed, planes_timed, reconstruct};
 use crate::mesh::Mesh;
 use crate::normal::Material;
 use crate::run::shape_errors::ShapeErrors;
@@ -80,7 +80,7 @@ fn reconstructed<C: Cell<D>, const D: usize>(scene: &Still<D>) -> Result<Sample,
         let mixed: Vec<usize> = (0..fractions.len()).filter(|&cell| is_mixed(fractions[cell])).collect();
         let material = Material { mesh: &mesh, fractions, centroids: None };
         stopwatch.lap(|seconds| &mut seconds.initialise);
-        let placed = planes_timed(material, &mixed, scene.reconstruction, &mut stopwatch)?;
+        let placed = planes_timed(Body::Cell, material, &mixed, scene.reconstruction, &mut stopwatch)?;
         placed.iter().for_each(|placed| counts.count(placed));
     }
     let facets = reconstruct(&mesh, &fractions, scene.reconstruction)?.facets;

@@ -5,7 +5,7 @@ use vofkit_geometry::Cell;
 use super::{Content, Member, Sweep};
 use crate::advection::ledger::Ledger;
 use crate::advection::transport::StepError;
-use crate::interface::{Counts, Placed, ReconstructionError, is_mixed, planes_of_all};
+use crate::interface::{Body, Counts, Placed, ReconstructionError, is_mixed, planes_of_all};
 use crate::parallel;
 use crate::stopwatch::Stopwatch;
 
@@ -81,7 +81,8 @@ impl<const D: usize> Mixed<D> {
             .map(|(number, &slot)| (number, places[slot as usize].cell()))
             .unzip();
         let mesh = sweep.stage.mesh;
-        let placed = planes_of_all(mesh, sweep.fractions, &cells, method, &mut ledger.counts, stopwatch)?;
+        let counts = &mut ledger.counts;
+        let placed = planes_of_all(Body::Cell, mesh, sweep.fractions, &cells, method, counts, stopwatch)?;
         self.planes.clear();
         self.planes.resize(self.slots.len() * materials, None);
         for (number, placed) in numbers.into_iter().zip(placed.chunks_exact(materials)) {
