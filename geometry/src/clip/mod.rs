@@ -15,6 +15,7 @@
 //!
 //! Read [`Polygon`], [`Polyhedron`], then [`tile`]: what a region has in common with a cell.
 
+mod faces;
 mod polygon;
 mod polyhedron;
 pub mod tile;

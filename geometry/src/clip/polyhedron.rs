@@ -142,7 +142,7 @@ impl Polyhedron {
         part.points[..numbered.len()].copy_from_slice(numbered);
         (part.corners, part.edge_count, part.face_count) = (kept, 0, 0);
         let is_kept = |i: u8| kept & bit(i) != 0;
-        let mut crossings = Crossings { edges: [([0; 2], 0); POINTS], count: 0 };
+        let mut crossings = Crossings { made: [0; POINTS], other: [0; POINTS] };
         let mut cap = List::<[u8; 2], POINTS>::new([0; 2]);
         let mut start = 0;
         for face in &self.faces[..self.face_count] {
@@ -198,8 +198,10 @@ fn bit(i: u8) -> u64 {
 
 /// The corners that a cut makes, each on the edge that it lies on: from the corner that is kept to the other.
 struct Crossings {
-    edges: [([u8; 2], u8); POINTS],
-    count: usize,
+    /// By corner that is kept: those made on its edges, as bits.
+    made: [u64; POINTS],
+    /// By corner made: the other end of its edge.
+    other: [u8; POINTS],
 }
 
 impl Crossings {
@@ -211,19 +213,24 @@ impl Crossings {
         edge: [u8; 2],
         part: &mut Polyhedron,
     ) -> Result<u8, Full> {
-        if let Some((_, number)) = self.edges[..self.count].iter().find(|(other, _)| *other == edge) {
-            return Ok(*number);
+        let [kept, other] = edge.map(|i| usize::from(i) % POINTS);
+        let mut candidates = self.made[kept];
+        while candidates != 0 {
+            let number = candidates.trailing_zeros() as u8;
+            if usize::from(self.other[usize::from(number) % POINTS]) == other {
+                return Ok(number);
+            }
+            candidates &= candidates - 1;
         }
         let number = (!part.corners).trailing_zeros() as u8;
         if usize::from(number) >= POINTS {
             return Err(Full);
         }
-        let [kept, other] = edge.map(usize::from);
         let (lower, upper) = if heights.is_below(kept) { (kept, other) } else { (other, kept) };
         part.points[usize::from(number)] = heights.crossing(&whole.points, lower, upper);
         part.corners |= bit(number);
-        self.edges[self.count] = (edge, number);
-        self.count += 1;
+        self.made[kept] |= bit(number);
+        self.other[usize::from(number)] = other as u8;
         Ok(number)
     }
 }

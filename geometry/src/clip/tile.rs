@@ -5,11 +5,12 @@
 //! does. A tile need not be convex: it is cut out of a region piece by convex piece.
 //!
 //! - A parallelepiped, and a convex quadrilateral, is one piece.
-//! - Any other hexahedron is six pyramids from its centre. Each is the cone over the edges of a face, under the four triangles
-//!   of the fan. A part of the region that lies under all four needs no further cut; else each triangle gets its own sector of
-//!   the cone.
-//! - Where a cone is not convex or a piece is turned inside out, the pieces are signed simplices.
+//! - Of any other hexahedron, first what lies in six half-spaces along its faces; then what of that lies beyond the faces is taken
+//!   away, face by face. Few faces of a cell meet a region that does not hold all of it.
+//! - Where the centre of the cell does not see all of its faces, it is six pyramids from there: each the cone over the edges of
+//!   a face, under the four triangles of the fan, and where a cone is not convex or a piece is turned inside out, signed simplices.
 
+use super::faces::{Pyramid, Saddle, area, corners};
 use super::{Full, Polygon, Polyhedron, Region, Side};
 use crate::submesh::{self, Triangulation};
 use crate::tolerance::PIECE_NEGLIGIBLE;
@@ -18,8 +19,10 @@ use crate::{Cell, HalfSpace, Hexahedron, PlaneConstant, PositionError, PositionM
 /// Room for what a cell leaves of a region, step by step.
 #[derive(Clone, Debug)]
 pub struct Workspace<R> {
+    whole: [R; 2],
     outer: [R; 2],
     inner: [R; 2],
+    both: [R; 2],
 }
 
 impl<R> Workspace<R> {
@@ -29,7 +32,7 @@ impl<R> Workspace<R> {
         R: Region<D>,
     {
         let pair = || [R::empty(), R::empty()];
-        Self { outer: pair(), inner: pair() }
+        Self { whole: pair(), outer: pair(), inner: pair(), both: pair() }
     }
 }
 
@@ -81,7 +84,7 @@ pub trait Tile<const D: usize>: Sized {
 }
 
 /// What of a region lies in all of some half-spaces; none if nothing does.
-fn within<'a, R: Region<D>, const D: usize>(
+pub(super) fn within<'a, R: Region<D>, const D: usize>(
     region: &'a R,
     half_spaces: &[HalfSpace<D>],
     work: &'a mut [R; 2],
@@ -103,7 +106,7 @@ fn within<'a, R: Region<D>, const D: usize>(
 }
 
 /// Turns a half-space so that a point lies inside.
-fn turned_to<const D: usize>(half_space: HalfSpace<D>, inside: &Vector<D>) -> HalfSpace<D> {
+pub(super) fn turned_to<const D: usize>(half_space: HalfSpace<D>, inside: &Vector<D>) -> HalfSpace<D> {
     if half_space.height(inside) > 0.0 { half_space.complement() } else { half_space }
 }
 
@@ -114,13 +117,13 @@ fn left_of(a: &Vector<2>, b: &Vector<2>) -> HalfSpace<2> {
 }
 
 /// The half-space under three points: its normal is that of their triangle.
-fn under(a: &Vector<3>, b: &Vector<3>, c: &Vector<3>) -> HalfSpace<3> {
+pub(super) fn under(a: &Vector<3>, b: &Vector<3>, c: &Vector<3>) -> HalfSpace<3> {
     let normal = (b - a).cross(&(c - a));
     HalfSpace { normal, constant: normal.dot(a) }
 }
 
 /// The mean of points.
-fn mean_of<'a, const D: usize>(points: impl ExactSizeIterator<Item = &'a Vector<D>>) -> Vector<D> {
+pub(super) fn mean_of<'a, const D: usize>(points: impl ExactSizeIterator<Item = &'a Vector<D>>) -> Vector<D> {
     let count = points.len() as f64;
     points.sum::<Vector<D>>() / count
 }
@@ -185,91 +188,18 @@ impl Tile<2> for QuadTile {
     }
 }
 
-/// A hexahedron as convex pieces.
+/// A hexahedron, prepared as its shape allows.
 #[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "lives on the stack while one cell is cut out")]
 pub enum HexahedronTile {
     /// A parallelepiped.
     Convex([HalfSpace<3>; 6]),
     /// Any other.
-    Pyramids([Pyramid; 6]),
-}
-
-/// The part of a hexahedron between its centre and one face.
-#[derive(Clone, Copy, Debug)]
-pub struct Pyramid {
-    /// The planes through the centre and each edge of the face.
-    sides: [HalfSpace<3>; 4],
-    sectors: [Sector; 4],
-    /// Whether the sides bound a convex cone and no sector is turned inside out.
-    is_convex: bool,
-}
-
-/// The tetrahedron between the centre of the cell, the middle of a face, and one of the face's edges.
-#[derive(Clone, Copy, Debug)]
-struct Sector {
-    /// The planes through the line from the centre to the middle and each end of the edge, and that of the triangle.
-    half_spaces: [HalfSpace<3>; 3],
-    /// 0 for none.
-    sign: f64,
-}
-
-impl Pyramid {
-    fn new(centre: &Vector<3>, middle: &Vector<3>, corners: [&Vector<3>; 4], negligible: f64) -> Self {
-        let side = |i: usize| under(centre, corners[(i + 1) % 4], corners[i]);
-        let sides = [side(0), side(1), side(2), side(3)];
-        let sectors: [Sector; 4] = std::array::from_fn(|i| {
-            let (a, b) = (corners[i], corners[(i + 1) % 4]);
-            let outer = under(middle, a, b);
-            let six_times = outer.height(centre);
-            let half_spaces = [
-                turned_to(under(centre, middle, a), b),
-                turned_to(under(centre, middle, b), a),
-                turned_to(outer, centre),
-            ];
-            let sign = if six_times.abs() > negligible { -six_times.signum() } else { 0.0 };
-            Sector { half_spaces, sign }
-        });
-        let is_convex = sectors.iter().all(|sector| sector.sign == 1.0)
-            && (0..4).all(|i| [2, 3].iter().all(|k| sides[i].height(corners[(i + k) % 4]) <= 0.0));
-        let sides = std::array::from_fn(|i| turned_to(sides[i], middle));
-        Self { sides, sectors, is_convex }
-    }
-
-    fn common(
-        &self,
-        region: &Polyhedron,
-        work: &mut Workspace<Polyhedron>,
-        visit: &mut impl FnMut(f64, &Polyhedron),
-    ) -> Result<(), Full> {
-        let Workspace { outer, inner } = work;
-        if !self.is_convex {
-            for (sector, side) in self.sectors.iter().zip(&self.sides) {
-                let [first, second, triangle] = sector.half_spaces;
-                if sector.sign != 0.0
-                    && let Some(part) = within(region, &[*side, first, second, triangle], outer)?
-                {
-                    visit(sector.sign, part);
-                }
-            }
-            return Ok(());
-        }
-        let Some(cone) = within(region, &self.sides, outer)? else { return Ok(()) };
-        let is_under = |sector: &Sector, x: &Vector<3>| sector.half_spaces[2].height(x) <= 0.0;
-        if self.sectors.iter().all(|sector| cone.corners().all(|x| is_under(sector, x))) {
-            visit(1.0, cone);
-            return Ok(());
-        }
-        if self.sectors.iter().all(|sector| !cone.corners().any(|x| is_under(sector, x))) {
-            return Ok(());
-        }
-        for sector in &self.sectors {
-            if let Some(part) = within(cone, &sector.half_spaces, inner)? {
-                visit(1.0, part);
-            }
-        }
-        Ok(())
-    }
+    Ruled {
+        /// The nodes of the cell.
+        nodes: [Vector<3>; 8],
+        /// Half-spaces along its faces that hold all of it.
+        hull: [HalfSpace<3>; 6],
+    },
 }
 
 impl Tile<3> for HexahedronTile {
@@ -278,22 +208,20 @@ impl Tile<3> for HexahedronTile {
 
     fn new(cell: &Hexahedron) -> Self {
         let x = cell.nodes();
-        let faces = Hexahedron::FACE_NODES;
         if cell.is_affine() {
             let turn = cell.volume().signum();
             return Self::Convex(std::array::from_fn(|face| {
-                let [a, b, c] = [0, 1, 2].map(|i| &x[faces[face][i]]);
+                let [a, b, c, _] = corners(x, face);
                 let outward = under(a, b, c);
                 if turn < 0.0 { outward.complement() } else { outward }
             }));
         }
-        let centre = mean_of(x.iter());
-        let negligible = PIECE_NEGLIGIBLE * extent(x).powi(3);
-        Self::Pyramids(std::array::from_fn(|face| {
-            let corners = [0, 1, 2, 3].map(|i| &x[faces[face][i]]);
-            let middle = mean_of(corners.into_iter());
-            Pyramid::new(&centre, &middle, corners, negligible)
-        }))
+        let hull = std::array::from_fn(|face| {
+            let normal = area(corners(x, face));
+            let constant = x.iter().map(|x| normal.dot(x)).fold(f64::NEG_INFINITY, f64::max);
+            HalfSpace { normal, constant }
+        });
+        Self::Ruled { nodes: std::array::from_fn(|i| x[i]), hull }
     }
 
     fn common(
@@ -309,8 +237,21 @@ impl Tile<3> for HexahedronTile {
                 }
                 Ok(())
             }
-            Self::Pyramids(pyramids) => {
-                pyramids.iter().try_for_each(|pyramid| pyramid.common(region, work, visit))
+            Self::Ruled { nodes, hull } => {
+                let Some(near) = within(region, hull, &mut work.whole)? else { return Ok(()) };
+                let centre = mean_of(nodes.iter());
+                let negligible = PIECE_NEGLIGIBLE * extent(nodes).powi(3);
+                let rooms = &mut [&mut work.outer, &mut work.inner, &mut work.both];
+                let saddle = |face: usize| Saddle::new(&centre, corners(nodes, face), negligible);
+                let saddles: [Option<Saddle>; 6] = std::array::from_fn(saddle);
+                if let [Some(a), Some(b), Some(c), Some(d), Some(e), Some(f)] = &saddles {
+                    visit(1.0, near);
+                    return [a, b, c, d, e, f].iter().try_for_each(|face| face.take(near, rooms, visit));
+                }
+                (0..6).try_for_each(|face| {
+                    let pyramid = Pyramid::new(&centre, corners(nodes, face), negligible);
+                    pyramid.common(near, rooms, visit)
+                })
             }
         }
     }
