@@ -4,7 +4,9 @@ use std::fmt;
 
 use crate::frame::Direction;
 use crate::root::{self, Root, Value};
-use crate::tolerance::{POSITION_EVALUATIONS, POSITION_FAILURE, POSITION_RESIDUAL, POSITION_ROUNDING};
+use crate::tolerance::{
+    POSITION_EVALUATIONS, POSITION_FAILURE, POSITION_LEAST, POSITION_RESIDUAL, POSITION_ROUNDING,
+};
 
 /// How the plane constant is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -154,7 +156,7 @@ pub(crate) fn find<M: Monotone>(
         return Ok(Depth { depth, residual, evaluations: evaluations + 1, closed_form: true });
     }
     let span = cell.span();
-    let tolerance = POSITION_RESIDUAL * target;
+    let tolerance = (POSITION_RESIDUAL * target).max(POSITION_LEAST);
     let Root { position, residual, evaluations } = match method {
         PositionMethod::Brent => root::brent(
             |depth| excess(cell, depth).value,

@@ -19,6 +19,11 @@ pub const FRAME_CONDITION: f64 = 32.0;
 /// Smaller, and the iteration would chase noise.
 pub const POSITION_RESIDUAL: f64 = 4.0 * f64::EPSILON;
 
+/// Residual of a plane constant, relative to the volume of the unit cube in the cell's frame, that is always small enough: 2e-320, near
+/// the least number that there is. Parts below it have few digits, and products on the way to them none: without it the search would
+/// bisect until it gives up.
+pub const POSITION_LEAST: f64 = f64::from_bits(1 << 12);
+
 /// Residual, relative to the cell's volume, above which a plane constant is an error. Rounding stays far
 /// below; only a volume that is not monotone in the constant (an inverted cell) comes here.
 pub const POSITION_FAILURE: f64 = 1e-12;

@@ -172,3 +172,20 @@ fn thin_warped_cells_have_a_position() {
     }
     println!("largest error {worst:.1e}");
 }
+
+/// Parts below the least normal number have few digits or none, and their planes are found as fast as others.
+#[test]
+fn denormal_fractions_take_no_more_evaluations_than_others() {
+    let mut random = Random(21);
+    for k in 0..SAMPLES {
+        let cell: Hexahedron = random.cell(if k % 2 == 0 { 0.2 } else { 0.0 });
+        let normal = random.unit();
+        for fraction in [1e-300, f64::MIN_POSITIVE, 1e-310, 1e-318, 1e-319, 1e-320, 5e-323, 5e-324] {
+            for method in [PositionMethod::Auto, PositionMethod::Newton] {
+                let position = cell.plane_constant(&normal, fraction, method).expect("a valid cell");
+                let enough = position.evaluations <= 16 && position.residual.abs() <= 1e-300;
+                assert!(enough, "{fraction:e}, {method:?}: {position:?}");
+            }
+        }
+    }
+}

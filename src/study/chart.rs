@@ -6,6 +6,7 @@ use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
 
+use super::labels::{Labels, leader};
 use crate::export::printable;
 
 /// Pixels: of the whole, of the part with the axes, of a line of the legend.
@@ -136,7 +137,7 @@ impl Chart<'_> {
             .x_desc(self.x)
             .y_desc(self.y)
             .label_style(TEXT)
-            .x_label_formatter(&|x| number(*x))
+            .x_label_formatter(&|x| if self.ticks.is_empty() { number(*x) } else { String::new() })
             .y_label_formatter(&|y| number(*y))
             .x_labels(if self.ticks.is_empty() { 10 } else { 0 })
             .draw()
@@ -170,15 +171,24 @@ impl Chart<'_> {
                 let symbol = EmptyElement::at(point) + Symbol { place, style: curve.style }.element();
                 chart.draw_series(std::iter::once(symbol)).map_err(failed)?;
             }
-            let labels = marks.iter().filter_map(|mark| Some(((mark.x, mark.y), mark.label.clone()?)));
-            chart
-                .draw_series(
-                    labels.map(|(at, label)| {
-                        EmptyElement::at(at) + Text::new(printable(&label), (6, -14), SMALL)
-                    }),
-                )
-                .map_err(failed)?;
         }
+        let (across, down) = chart.plotting_area().get_pixel_range();
+        let marks = || self.curves.iter().flat_map(|curve| &curve.marks).filter(&fits);
+        let pixel = |mark: &Mark| chart.backend_coord(&(mark.x, mark.y));
+        let mut labels = Labels::new([across.start, down.start], [across.end, down.end], marks().map(pixel));
+        let labelled: Vec<_> = marks()
+            .filter_map(|mark| {
+                let label = printable(mark.label.as_deref()?);
+                let place = labels.place(pixel(mark), &label);
+                Some(((mark.x, mark.y), label, place))
+            })
+            .collect();
+        let drawn = labelled.into_iter().map(|(at, label, place)| {
+            EmptyElement::at(at)
+                + PathElement::new([(0, 0), leader(place).unwrap_or((0, 0))], RGBColor(150, 150, 150))
+                + Text::new(label, place, SMALL)
+        });
+        chart.draw_series(drawn).map_err(failed)?;
         Ok(())
     }
 
@@ -241,7 +251,7 @@ impl Bars<'_> {
         let height = 60 + 22 * bars.len() as i32;
         drawn_in((SIZE.0, height as u32), |root| {
             for (k, part) in self.parts.iter().enumerate() {
-                let x = 330 + 120 * k as i32;
+                let x = 330 + (720 * k / self.parts.len()) as i32;
                 let symbol = EmptyElement::at((x, 18)) + Symbol { place: k, style: Style::Points }.element();
                 root.draw(&symbol).map_err(failed)?;
                 root.draw(&Text::new(printable(part), (x + 12, 11), SMALL)).map_err(failed)?;

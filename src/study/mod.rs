@@ -3,11 +3,12 @@
 //! - [`mod@file`]: the study file; `words`: its parts, read with their places; [`plan`]: the product of its lists, and what of it makes no sense;
 //! - [`measure`]: what is known of a combination when it has run; `subject`, `still`, `table`: runs it;
 //! - `store`: every result on disk as soon as it is there, and read back to go on;
-//! - [`analysis`]: fronts, orders, what noise hides; [`chart`]: drawings; `pages`: the report.
+//! - [`analysis`]: fronts, orders, what noise hides; [`chart`]: drawings; `labels`: what stands beside their points; `pages`: the report.
 
 pub mod analysis;
 pub mod chart;
 pub mod file;
+mod labels;
 pub mod measure;
 mod pages;
 pub mod plan;
