@@ -11,6 +11,7 @@ use std::ops::{Add, Mul, Sub};
 use crate::Vector;
 
 /// `a + b` rounded, and the rest (Knuth's TwoSum).
+#[inline(always)]
 fn two_sum(a: f64, b: f64) -> [f64; 2] {
     let sum = a + b;
     let part = sum - a;
@@ -19,6 +20,7 @@ fn two_sum(a: f64, b: f64) -> [f64; 2] {
 
 /// `a b` rounded, and the rest: with a fused product where the target has one in hardware, else with Veltkamp's and
 /// Dekker's halves, which give the same bits.
+#[inline(always)]
 fn two_product(a: f64, b: f64) -> [f64; 2] {
     let product = a * b;
     if cfg!(target_feature = "fma") {
@@ -34,6 +36,7 @@ fn two_product(a: f64, b: f64) -> [f64; 2] {
 }
 
 /// `a . b` and its rest (Dot2).
+#[inline(always)]
 pub(crate) fn dot<const D: usize>(a: &Vector<D>, b: &Vector<D>) -> [f64; 2] {
     let [mut sum, mut lost] = two_product(a[0], b[0]);
     for i in 1..D {
@@ -46,6 +49,7 @@ pub(crate) fn dot<const D: usize>(a: &Vector<D>, b: &Vector<D>) -> [f64; 2] {
 }
 
 /// `d - a` for a number with its rest.
+#[inline(always)]
 pub(crate) fn difference(d: f64, [value, lost]: [f64; 2]) -> f64 {
     let [difference, rest] = two_sum(d, -value);
     difference + (if rest.is_finite() { rest } else { 0.0 } - lost)

@@ -26,131 +26,75 @@
 //! dA/dlevel = L/c [ g1 N0 + (g2 - g1) L N1 + (g4 - g1) (R N0 + S N1) ]
 //! ```
 //!
-//! Several parts stand side by side and go through this arithmetic without branches, so that the compiler makes vector
-//! instructions of it; each gets what it would get alone.
+//! All of it is arithmetic and choices between numbers, without branches: in a loop over faces the compiler makes vector instructions of it.
 
 use crate::hyperbola::{Argument, Integrals};
 use crate::root::Value;
 
-/// A part of a face, as far as it does not depend on the level of the plane.
-#[derive(Clone, Copy, Debug)]
+/// A part of a face.
+#[derive(Clone, Copy)]
 pub(crate) struct Part {
-    /// Heights of the first two of the face's corners.
-    pub(crate) near: f64,
-    pub(crate) next: f64,
-    /// `L = base + |s1| per_next`, `R = |s2| per_across`.
-    pub(crate) base: f64,
-    pub(crate) per_next: f64,
-    pub(crate) per_across: f64,
-    /// `c` and its inverse.
-    pub(crate) rise: f64,
-    pub(crate) per_rise: f64,
-    /// `t`, with the sign of the part: `c' - c = L t`.
-    pub(crate) twist: f64,
-    /// `g1`, `g2 - g1`, `g4 - g1`.
+    /// `s1`.
+    near: f64,
+    /// `g1`, `(g2 - g1) L`, `g4 - g1`.
+    density: [f64; 3],
+    /// `c` and `c' - c`.
+    rise: f64,
+    widening: f64,
+    length: f64,
+    right: f64,
+    sign: f64,
+}
+
+/// What a part is made from, counted from one of the face's corners in outward order.
+pub(crate) struct Corner {
+    /// Heights over the plane of this corner and the next, `s1` and `s2`.
+    pub(crate) heights: [f64; 2],
+    /// `g1`, `g2` and `g4`.
     pub(crate) density: [f64; 3],
-    /// 1 for the part itself, -1 for the rest of its face, the whole face left out.
+    /// Differences of height, positive, along the edges to the next corner, across from it, and to the last.
+    pub(crate) rises: [f64; 3],
+    /// `t`.
+    pub(crate) twist: f64,
+}
+
+/// One of two numbers.
+#[inline(always)]
+pub(crate) fn either(condition: bool, yes: f64, no: f64) -> f64 {
+    if condition { yes } else { no }
+}
+
+impl Part {
+    /// The strip along the edge to the next corner, or the region at the corner. `sign` is 1 for the part itself, -1 for the rest of
+    /// its face, the whole face left out.
     ///
     /// Passing to the rest changes the sign of the integrals, and that of `s`, so that of `A` alone remains.
-    pub(crate) sign: f64,
-}
-
-/// `N` parts side by side.
-#[derive(Clone, Debug)]
-pub(crate) struct Parts<const N: usize> {
-    near: [f64; N],
-    next: [f64; N],
-    base: [f64; N],
-    per_next: [f64; N],
-    per_across: [f64; N],
-    rise: [f64; N],
-    per_rise: [f64; N],
-    twist: [f64; N],
-    density: [[f64; N]; 3],
-    sign: [f64; N],
-}
-
-impl<const N: usize> Parts<N> {
-    /// Parts that add nothing.
     #[inline(always)]
-    pub(crate) fn new() -> Self {
-        let (zero, one) = ([0.0; N], [1.0; N]);
-        Self {
-            near: zero,
-            next: zero,
-            base: zero,
-            per_next: zero,
-            per_across: zero,
-            rise: one,
-            per_rise: zero,
-            twist: zero,
-            density: [zero; 3],
-            sign: zero,
-        }
+    pub(crate) fn new(corner: Corner, strip: bool, sign: f64) -> Self {
+        let Corner { heights: [near, next], density: [g1, g2, g4], rises: [to_next, across, rise], twist } =
+            corner;
+        let quotient = either(strip, next, near).abs() / either(strip, across, to_next);
+        let length = either(strip, 1.0, quotient);
+        let widening = length * (sign * twist);
+        // Rounding may pass the end where heights are rounding themselves.
+        let widening = either(widening > -rise, widening, -rise);
+        let density = [g1, (g2 - g1) * length, g4 - g1];
+        Self { near, density, rise, widening, length, right: either(strip, quotient, 0.0), sign }
     }
 
-    /// Puts a part in its place.
+    /// The argument of the moments.
     #[inline(always)]
-    pub(crate) fn set(&mut self, i: usize, part: Part) {
-        self.near[i] = part.near;
-        self.next[i] = part.next;
-        self.base[i] = part.base;
-        self.per_next[i] = part.per_next;
-        self.per_across[i] = part.per_across;
-        self.rise[i] = part.rise;
-        self.per_rise[i] = part.per_rise;
-        self.twist[i] = part.twist;
-        for (column, density) in self.density.iter_mut().zip(part.density) {
-            column[i] = density;
-        }
-        self.sign[i] = part.sign;
+    pub(crate) fn z(&self) -> f64 {
+        self.widening / (2.0 * self.rise + self.widening)
     }
 
-    /// Adds the integrals over all parts, `V`, `A` and `dA/dlevel`, to a sum. `quotient` is asked for `c'` and `c`, or numbers in the
-    /// same ratio, of a part where their difference does not tell the smaller one.
+    /// The integrals `V`, `A` and `dA/dlevel`.
     #[inline(always)]
-    pub(crate) fn integrate(&self, level: f64, sum: &mut Value, quotient: impl Fn(usize) -> [f64; 2]) {
-        let mut lengths = [0.0; N];
-        let mut widenings = [0.0; N];
-        let mut arguments = [[0.0; N]; 4];
-        let mut far = false;
-        for i in 0..N {
-            let length = self.base[i] + (self.near[i] - level).abs() * self.per_next[i];
-            let (rise, widening) = (self.rise[i], length * self.twist[i]);
-            // Rounding may pass the end where heights are rounding themselves.
-            let widening = if widening > -rise { widening } else { -rise };
-            let Argument { z, minus, plus, even } = Argument::near(widening / (2.0 * rise + widening));
-            lengths[i] = length;
-            widenings[i] = widening;
-            (arguments[0][i], arguments[1][i], arguments[2][i], arguments[3][i]) = (z, minus, plus, even);
-            far |= Argument::is_far(z);
-        }
-        if far {
-            for i in 0..N {
-                if Argument::is_far(arguments[0][i]) {
-                    let Argument { minus, plus, even, .. } = Argument::far(arguments[0][i], quotient(i));
-                    (arguments[1][i], arguments[2][i], arguments[3][i]) = (minus, plus, even);
-                }
-            }
-        }
-        let mut sums = [[0.0; N]; 3];
-        for i in 0..N {
-            let [z, minus, plus, even] = [0, 1, 2, 3].map(|field| arguments[field][i]);
-            let one = self.one(i, level, lengths[i], widenings[i], Argument { z, minus, plus, even });
-            (sums[0][i], sums[1][i], sums[2][i]) = (one.value, one.derivative, one.second);
-        }
-        for i in 0..N {
-            *sum += Value { value: sums[0][i], derivative: sums[1][i], second: sums[2][i] };
-        }
-    }
-
-    #[inline(always)]
-    fn one(&self, i: usize, level: f64, length: f64, widening: f64, argument: Argument) -> Value {
-        let [g1, alpha, beta] = [self.density[0][i], self.density[1][i] * length, self.density[2][i]];
+    pub(crate) fn integrate(&self, argument: Argument) -> Value {
+        let Self { near, density: [g1, alpha, beta], rise, widening, length, right, sign } = *self;
         let Integrals { m00, m10, e, f, n0, n1 } = argument.integrals();
-        let (rise, per_rise) = (self.rise[i], self.per_rise[i]);
-        let right = (self.next[i] - level).abs() * self.per_across[i];
-        let step = (self.near[i] - level).abs() * per_rise - right;
+        let per_rise = 1.0 / rise;
+        let step = near.abs() * per_rise - right;
         let both = 2.0 * rise + widening;
         let square = right * right;
         let curved = argument.minus * step;
@@ -164,7 +108,7 @@ impl<const N: usize> Parts<N> {
         let area = curved * m00;
         Value {
             value: 0.5 * length * (g1 * t0 + alpha * t1 + (1.0 / 3.0) * beta * t2),
-            derivative: self.sign[i]
+            derivative: sign
                 * length
                 * (g1 * (right + area)
                     + alpha * (0.5 * right + curved * m10)

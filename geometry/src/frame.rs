@@ -84,6 +84,7 @@ impl<const D: usize> Frame<D> {
     }
 
     /// What a plane leaves of the cell, from the volume in the frame and its derivative by the level.
+    #[inline(always)]
     pub(crate) fn truncation(&self, part: Value, direction: &Direction<D>) -> Truncation {
         Truncation {
             volume: self.determinant * part.value,
@@ -103,16 +104,19 @@ impl<const D: usize> Frame<D> {
 
 impl<const D: usize> Direction<D> {
     /// `m.y` on the plane `n.x = constant`.
+    #[inline(always)]
     pub(crate) fn level(&self, constant: f64) -> f64 {
         compensated::difference(constant, self.base) * self.per_size + self.first
     }
 
     /// `n.(x - x0)` on the plane `m.y = level`: the plane constant relative to the first node.
+    #[inline(always)]
     pub(crate) fn local_constant(&self, level: f64) -> f64 {
         (level - self.first) * self.size
     }
 
     /// The plane constant of the plane `m.y = level`: the inverse of [`Direction::level`].
+    #[inline(always)]
     pub(crate) fn constant(&self, level: f64) -> f64 {
         self.base[0] + (self.base[1] + self.local_constant(level))
     }

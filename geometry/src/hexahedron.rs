@@ -6,11 +6,10 @@
 //!
 //! **Truncated volume.** The divergence theorem (Kothe et al. 1999; Eq. 91, 94 of the paper) makes it a sum over the parts of
 //! the faces where the bilinear height over the plane is not positive. Such a part is a corner under a hyperbola, a strip under
-//! one, or the complement of corners; the private `face_part` has the formulas, `cases` says which parts there are, and `along` and
-//! `profile` do the sum for one normal.
+//! one, or the complement of corners; the private `face_part` has the formulas, `profile` finds the parts and does the sum for one
+//! normal, and `along` turns it into that of the cell.
 
 mod along;
-mod cases;
 mod profile;
 
 use std::ops::{Add, Mul, Sub};
@@ -23,7 +22,7 @@ use crate::frame::{Direction, Frame, is_ill_conditioned};
 use crate::plane_constant::{self, Monotone, PlaneConstant, PositionError, PositionMethod};
 use crate::ruled_face::area_vector;
 use crate::tolerance::{TWIST_AFFINE, TWIST_NEGLIGIBLE};
-use crate::{Defect, HalfSpace, Vector, defects, jacobian, section};
+use crate::{Defect, HalfSpace, Vector, defects, jacobian, section, simd};
 
 use along::Along;
 
@@ -158,9 +157,14 @@ impl Hexahedron {
     /// [`Cell::truncate`] where there is no closed form: apart from it, so that the closed form needs no room for this.
     #[inline(never)]
     fn truncate_ruled(&self, half_space: &HalfSpace<3>) -> Truncation {
-        let along = Along::new(self, &half_space.normal);
-        let part = along.volume(along.depth(half_space.constant));
-        self.frame.truncation(part, &along.direction)
+        simd::widest(
+            #[inline(always)]
+            || {
+                let along = Along::new(self, &half_space.normal);
+                let part = along.volume(along.depth(half_space.constant));
+                self.frame.truncation(part, &along.direction)
+            },
+        )
     }
 
     /// [`Cell::plane_constant`] for `fraction <= 1/2` along `sign` times the normal, where there is no closed form.
@@ -172,9 +176,14 @@ impl Hexahedron {
         fraction: f64,
         method: PositionMethod,
     ) -> Result<PlaneConstant, PositionError> {
-        let along = Along::new(self, normal);
-        let found = plane_constant::find(&mut along.rising(), fraction, method)?;
-        Ok(found.plane(&along.direction, along.low, sign))
+        simd::widest(
+            #[inline(always)]
+            || {
+                let along = Along::new(self, normal);
+                let found = plane_constant::find(&mut along.rising(), fraction, method)?;
+                Ok(found.plane(&along.direction, along.low, sign))
+            },
+        )
     }
 
     /// The nodes in the cell's frame.

@@ -15,7 +15,7 @@
 //! Read in this order: [`half_space`], [`cell`], [`quad`], [`hexahedron`], [`ruled_face`], [`hyperbola`],
 //! [`second_moments`], [`parallelepiped`], [`plane_constant`], [`section`], [`defects`], [`tolerance`]; [`clip`] for regions; and, for comparison
 //! with the exact truncation, [`method`], [`kothe`], [`submesh`]. What is private is told in `frame` (the cell's own affine
-//! frame), `compensated` (its digits on rotated slivers), `affine`, `face_part`, `moment` and `centroid`.
+//! frame), `compensated` (its digits on rotated slivers), `affine`, `face_part`, `moment`, `centroid` and `simd`.
 //!
 //! Checking and computing are apart: [`Cell::defects`] lists everything that is wrong with a cell, all other
 //! calls trust their input and return the algebraic (winding) volume of whatever they are given.
@@ -58,6 +58,7 @@ pub mod root;
 pub mod ruled_face;
 pub mod second_moments;
 pub mod section;
+mod simd;
 pub mod submesh;
 pub mod tolerance;
 

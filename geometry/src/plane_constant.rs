@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::frame::Direction;
-use crate::root::{self, Root, Value};
+use crate::root::{self, Root, Search, Value};
 use crate::tolerance::{
     POSITION_EVALUATIONS, POSITION_FAILURE, POSITION_LEAST, POSITION_RESIDUAL, POSITION_ROUNDING,
 };
@@ -116,6 +116,7 @@ pub(crate) struct Depth {
 
 impl Depth {
     /// The plane constant of `n`, where `direction` is that of `sign n` and the lowest node has `m.y = low`.
+    #[inline(always)]
     pub(crate) fn plane<const D: usize>(
         self,
         direction: &Direction<D>,
@@ -135,6 +136,7 @@ impl Depth {
 }
 
 /// The depth for `fraction <= 1/2`.
+#[inline(always)]
 pub(crate) fn find<M: Monotone>(
     cell: &mut M,
     fraction: f64,
@@ -145,29 +147,30 @@ pub(crate) fn find<M: Monotone>(
     if target <= 0.0 {
         return Ok(Depth { depth: 0.0, residual: 0.0, evaluations: 0, closed_form: true });
     }
-    let excess = |cell: &mut M, depth: f64| {
-        let volume = cell.volume(depth);
-        Value { value: volume.value - target, ..volume }
-    };
     if method == PositionMethod::Auto
         && let Some((depth, evaluations)) = cell.closed_form(fraction)
     {
-        let residual = excess(cell, depth).value / total;
+        let residual = (cell.volume(depth).value - target) / total;
         return Ok(Depth { depth, residual, evaluations: evaluations + 1, closed_form: true });
     }
     let span = cell.span();
     let tolerance = (POSITION_RESIDUAL * target).max(POSITION_LEAST);
     let Root { position, residual, evaluations } = match method {
         PositionMethod::Brent => root::brent(
-            |depth| excess(cell, depth).value,
+            |depth| cell.volume(depth).value - target,
             [0.0, span],
             [-target, total - target],
             tolerance,
             POSITION_EVALUATIONS,
         ),
         _ => {
-            let start = cell.start(fraction);
-            root::newton(|depth| excess(cell, depth), [0.0, span], start, tolerance, POSITION_EVALUATIONS)
+            let mut search = Search::new([0.0, span], cell.start(fraction), tolerance, POSITION_EVALUATIONS);
+            loop {
+                let volume = cell.volume(search.position);
+                if search.advance(Value { value: volume.value - target, ..volume }) {
+                    break search.best;
+                }
+            }
         }
     };
     let accepted = residual.abs() <= (POSITION_FAILURE * total).max(POSITION_ROUNDING);

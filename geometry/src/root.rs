@@ -41,41 +41,61 @@ impl AddAssign for Value {
 /// moves the position by more than rounding relative to its distance from zero, or after `limit` evaluations.
 pub fn newton(
     mut function: impl FnMut(f64) -> Value,
-    [mut low, mut high]: [f64; 2],
+    bracket: [f64; 2],
     start: f64,
     tolerance: f64,
     limit: usize,
 ) -> Root {
-    let mut x = start.clamp(low, high);
-    let mut best = Root { position: x, residual: f64::INFINITY, evaluations: 0 };
-    let mut before: Option<(f64, Value)> = None;
-    while best.evaluations < limit {
-        let here = function(x);
-        best.evaluations += 1;
-        if here.value.abs() < best.residual.abs() {
-            best.position = x;
-            best.residual = here.value;
-        }
-        if here.value.abs() <= tolerance {
-            break;
-        }
-        if here.value > 0.0 {
-            high = x;
-        } else {
-            low = x;
-        }
-        let step = step(here, before.map(|(x0, there)| (there, x0 - x)));
-        let next = if x + step > low && x + step < high { x + step } else { 0.5 * (low + high) };
-        if (next - x).abs() <= f64::EPSILON * x.abs() {
-            break;
-        }
-        before = Some((x, here));
-        x = next;
+    let mut search = Search::new(bracket, start, tolerance, limit);
+    while !search.advance(function(search.position)) {}
+    search.best
+}
+
+/// The state of [`newton`] between two evaluations.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Search {
+    /// Where the function is wanted next.
+    pub(crate) position: f64,
+    /// The best that was found.
+    pub(crate) best: Root,
+    bracket: [f64; 2],
+    before: Option<(f64, Value)>,
+    tolerance: f64,
+    limit: usize,
+}
+
+impl Search {
+    #[inline(always)]
+    pub(crate) fn new(bracket: [f64; 2], start: f64, tolerance: f64, limit: usize) -> Self {
+        let position = start.clamp(bracket[0], bracket[1]);
+        let best = Root { position, residual: f64::INFINITY, evaluations: 0 };
+        Self { position, best, bracket, before: None, tolerance, limit }
     }
-    best
+
+    /// Takes the function at the position, and says whether the search is at its end.
+    #[inline(always)]
+    pub(crate) fn advance(&mut self, here: Value) -> bool {
+        let x = self.position;
+        self.best.evaluations += 1;
+        if here.value.abs() < self.best.residual.abs() {
+            self.best.position = x;
+            self.best.residual = here.value;
+        }
+        if here.value.abs() <= self.tolerance {
+            return true;
+        }
+        self.bracket[usize::from(here.value > 0.0)] = x;
+        let [low, high] = self.bracket;
+        let step = step(here, self.before.map(|(x0, there)| (there, x0 - x)));
+        let next = if x + step > low && x + step < high { x + step } else { 0.5 * (low + high) };
+        self.before = Some((x, here));
+        self.position = next;
+        (next - x).abs() <= f64::EPSILON * x.abs() || self.best.evaluations >= self.limit
+    }
 }
 
 /// The step from `here` to where the function is zero, for another point at the distance `apart`, if there is one.
+#[inline(always)]
 fn step(here: Value, before: Option<(Value, f64)>) -> f64 {
     let inverse = 1.0 / here.derivative;
     let newton = -here.value * inverse;
@@ -91,6 +111,7 @@ fn step(here: Value, before: Option<(Value, f64)>) -> f64 {
 
 /// What the inverse function's polynomial of fifth degree adds to its terms up to the second power, for a second point at the
 /// distance `apart`: in `t`, which is 0 here and 1 there, with derivatives of the inverse function by it.
+#[inline(always)]
 fn inverse_quintic(here: Value, there: Value, apart: f64, inverse: f64) -> f64 {
     let h = there.value - here.value;
     let t = -here.value / h;

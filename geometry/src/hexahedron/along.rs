@@ -21,7 +21,7 @@ pub(super) struct Along<'a> {
 }
 
 impl<'a> Along<'a> {
-    #[inline]
+    #[inline(always)]
     pub(super) fn new(cell: &'a Hexahedron, normal: &Vector3) -> Self {
         let direction = cell.direction(normal);
         let mut heights = cell.local.map(|y| direction.m.dot(&y));
@@ -31,28 +31,26 @@ impl<'a> Along<'a> {
     }
 
     /// The depth of a plane over the lowest node.
+    #[inline(always)]
     pub(super) fn depth(&self, constant: f64) -> f64 {
         self.direction.level(constant) - self.low
     }
 
     /// Volume and section below one depth.
+    #[inline(always)]
     pub(super) fn volume(&self, depth: f64) -> Value {
-        let s = self.heights.map(|h| h - depth);
-        let m = &self.direction.m;
-        match s.iter().filter(|&&s| s <= 0.0).count() {
-            0 => Value::default(),
-            8 => Value { value: self.cell.local_volume, ..Value::default() },
-            1..=4 => below(s, &self.cell.local, m),
-            _ => {
-                // The smaller part is the one to compute: less to do, and it keeps its relative accuracy.
-                let above = below(s.map(|s| -s), &self.cell.local, &-m);
-                Value {
-                    value: self.cell.local_volume - above.value,
-                    derivative: above.derivative,
-                    second: -above.second,
-                }
-            }
+        let heights = self.heights.map(|h| h - depth);
+        let below = heights.iter().filter(|&&s| s <= 0.0).count();
+        let whole = self.cell.local_volume;
+        if below % 8 == 0 {
+            return Value { value: if below == 0 { 0.0 } else { whole }, ..Value::default() };
         }
+        // The smaller part is the one to compute, which keeps its relative accuracy.
+        let side = if below <= 4 { 1.0 } else { -1.0 };
+        let m = self.direction.m * side;
+        let Value { value, derivative, second } =
+            Profile::new(&heights.map(|s| s * side), &self.cell.local, &m).volume(0.0);
+        Value { value: if below <= 4 { value } else { whole - value }, derivative, second: side * second }
     }
 
     /// Volume and first moment below one depth, in the frame.
@@ -69,26 +67,18 @@ impl<'a> Along<'a> {
     #[inline(always)]
     pub(super) fn rising(&self) -> Rising {
         let heights = &self.heights;
-        let mut rising = Rising {
-            profile: Profile::new(*heights),
+        Rising {
+            profile: Profile::new(heights, &self.cell.local, &self.direction.m),
             cube: UnitCube::new(self.direction.m.as_slice()),
             span: -smallest(&heights.map(|h| -h)),
             middle: heights.iter().sum::<f64>() / 8.0,
             total: self.cell.local_volume,
-        };
-        rising.profile.set_faces(&self.cell.local, &self.direction.m);
-        rising
+        }
     }
 }
 
-/// The part between nodes `y` below the plane with normal `m` over which they have these heights.
-fn below(heights: [f64; 8], y: &[Vector3; 8], m: &Vector3) -> Value {
-    let mut profile = Profile::new(heights);
-    profile.set_faces(y, m);
-    profile.volume(0.0)
-}
-
 /// The smallest of eight numbers, in pairs.
+#[inline(always)]
 fn smallest(numbers: &[f64; 8]) -> f64 {
     let smaller = |a: f64, b: f64| if b < a { b } else { a };
     let [a, b, c, d, e, f, g, h] = *numbers;
@@ -107,20 +97,24 @@ pub(super) struct Rising {
 }
 
 impl Monotone for Rising {
+    #[inline(always)]
     fn span(&self) -> f64 {
         self.span
     }
 
+    #[inline(always)]
     fn total(&self) -> f64 {
         self.total
     }
 
+    #[inline(always)]
     fn volume(&mut self, depth: f64) -> Value {
         self.profile.volume(depth)
     }
 
     /// From the affine part: for small parts with the lowest corners in one place and the heights stretched, for others with the
     /// middles in one place; over the first sixteenth of the cell the one gives way to the other.
+    #[inline(always)]
     fn start(&self, fraction: f64) -> f64 {
         let depth = self.cube.position(fraction);
         let stretched = depth * (self.span / self.cube.span());

@@ -1,203 +1,242 @@
-//! A hexahedron along one normal, prepared for any number of depths: an evaluation is then a sum of scalars.
+//! A hexahedron along one normal, prepared for any number of depths: its faces side by side.
+
+use std::array::from_fn;
 
 use crate::cell::Cell;
-use crate::face_part::{Part, Parts};
+use crate::face_part::{Corner, Part, either};
+use crate::hyperbola::Argument;
 use crate::root::Value;
 use crate::tolerance::HEIGHT_NEGLIGIBLE;
 
-use super::cases::{self, CASES, CORNERS, Place};
 use super::{Hexahedron, Vector3};
 
-/// The faces along one normal: what does not depend on the depth of the plane; see [`crate::face_part`].
-pub(super) struct Faces {
+/// Faces side by side: six, and two that are nothing, for the widest vector instructions hold eight numbers.
+const LANES: usize = 8;
+
+/// One number for each face.
+type Lanes = [f64; LANES];
+
+/// The truncated volume by the depth of the plane; see [`crate::face_part`]. What belongs to a corner of a face, or to the edge from it to
+/// the next, stands at the place of the corner in outward order.
+pub(super) struct Profile {
     /// Heights of the nodes.
-    heights: [f64; 8],
-    /// Differences of height along the edges, and their inverses; the last are of an edge that is none.
-    rise: [f64; 16],
-    inverse: [f64; 16],
-    /// `g` and `t` of the faces' corners; those of the last face, which is none, are zero.
-    density: [f64; 32],
-    twist: [f64; 32],
-    /// For each whole face, at depth 0, the integral of `-s G`, and the integral of `G`.
-    whole: [[f64; 2]; 8],
+    heights: [Lanes; 4],
+    /// Differences of height along the edges.
+    rises: [Lanes; 4],
+    /// `g`.
+    density: [Lanes; 4],
+    /// `t`, counted from the first corner.
+    twist: Lanes,
+    /// For the whole face, at depth 0, the integral of `-s G`, and the integral of `G`.
+    whole: [Lanes; 2],
 }
 
-/// The truncated volume by the depth of the plane.
-pub(super) struct Profile {
-    faces: Faces,
-    /// The nodes that were below the plane in the last evaluation, the parts of the faces, and the sum over whole faces: they stay
-    /// while no node is passed.
-    mask: usize,
-    parts: Parts<6>,
-    below: [f64; 2],
+/// Where a face is below the plane.
+struct Cut {
+    /// Everywhere, or but for one corner.
+    whole: bool,
+    /// A part of it, or the rest without a part, is below.
+    part: bool,
+    /// That part is a strip along an edge.
+    strip: bool,
+    /// It is the rest without a corner.
+    rest: bool,
+    /// Two opposite corners are below.
+    saddle: bool,
+    /// Whether the part is counted from one of the last two corners, and from the second or the last.
+    turn: [bool; 2],
+}
+
+impl Cut {
+    #[inline(always)]
+    fn new([a, b, c, d]: [bool; 4]) -> Self {
+        let rest = (a & b & (c ^ d)) | ((a ^ b) & c & d);
+        let whole = (a & b & c & d) | rest;
+        // The corners of the part, and the first of them.
+        let [a, b, c, d] = [a ^ rest, b ^ rest, c ^ rest, d ^ rest];
+        let [first_a, first_b, first_c, first_d] = [a & !d, b & !a, c & !b, d & !c];
+        Self {
+            whole,
+            part: first_a | first_b | first_c | first_d,
+            strip: (a & b) | (b & c) | (c & d) | (d & a),
+            rest,
+            saddle: (first_a & first_c) | (first_b & first_d),
+            turn: [first_c | first_d, first_b | first_d],
+        }
+    }
+
+    #[inline(always)]
+    fn sign(&self) -> f64 {
+        either(self.rest, -1.0, 1.0)
+    }
+
+    /// Numbers of the four corners, counted from the part's own.
+    #[inline(always)]
+    fn turned(&self, [a, b, c, d]: [f64; 4]) -> [f64; 4] {
+        let [half, quarter] = self.turn;
+        let [a, b, c, d] = [either(half, c, a), either(half, d, b), either(half, a, c), either(half, b, d)];
+        [either(quarter, b, a), either(quarter, c, b), either(quarter, d, c), either(quarter, a, d)]
+    }
 }
 
 impl Profile {
-    /// For nodes with these heights. [`Self::set_faces`] must follow: what is large is filled where it stays.
+    /// For nodes `y` with these heights along `m`, whose largest component is 1 or -1.
     #[inline(always)]
-    pub(super) fn new(heights: [f64; 8]) -> Self {
-        let faces = Faces {
-            heights,
-            rise: [1.0; 16],
-            inverse: [1.0; 16],
-            density: [0.0; 32],
-            twist: [0.0; 32],
-            whole: [[0.0; 2]; 8],
-        };
-        Self { faces, mask: 0, parts: Parts::new(), below: [0.0; 2] }
-    }
-
-    /// Prepares the faces between nodes `y`, whose heights are those along `m`; the largest component of `m` is 1 or -1.
-    #[inline(always)]
-    pub(super) fn set_faces(&mut self, y: &[Vector3; 8], m: &Vector3) {
-        self.faces.set_edges();
+    pub(super) fn new(heights: &[f64; 8], y: &[Vector3; 8], m: &Vector3) -> Self {
         // `e` along the axis of that component: `X_i . e` is then a cross product in the plane of the other two.
         let [x_is_largest, y_is_largest] = [m[0].abs() == 1.0, m[1].abs() == 1.0];
         let axis = if x_is_largest { 0 } else { if y_is_largest { 1 } else { 2 } };
         let (j, k) = if x_is_largest { (1, 2) } else { if y_is_largest { (2, 0) } else { (0, 1) } };
         let down = -m[axis].signum();
-        let shadow = std::array::from_fn(|i| [down * y[i].as_slice()[j], y[i].as_slice()[k]]);
-        self.faces.set_face::<0>(&shadow);
-        self.faces.set_face::<1>(&shadow);
-        self.faces.set_face::<2>(&shadow);
-        self.faces.set_face::<3>(&shadow);
-        self.faces.set_face::<4>(&shadow);
-        self.faces.set_face::<5>(&shadow);
-    }
-
-    /// The part of the cell below one depth.
-    pub(super) fn volume(&mut self, depth: f64) -> Value {
-        let s = self.faces.heights.map(|h| h - depth);
-        let mask = inside_mask(&s);
-        let case = &CASES[mask];
-        if mask != self.mask {
-            self.mask = mask;
-            self.faces.gather(&case.parts, &mut self.parts);
-            self.below = self.faces.sum_of_whole(case.whole);
+        let shadow = [from_fn(|i| down * y[i].as_slice()[j]), from_fn(|i| y[i].as_slice()[k])];
+        // Never below: for the lanes that are nothing.
+        let mut profile = Self {
+            heights: corners(heights, f64::MAX),
+            rises: [[1.0; LANES]; 4],
+            density: [[0.0; LANES]; 4],
+            twist: [0.0; LANES],
+            whole: [[0.0; LANES]; 2],
+        };
+        let shadow = [corners(&shadow[0], 0.0), corners(&shadow[1], 0.0)];
+        for i in 0..LANES {
+            profile.set_face(i, [0, 1, 2, 3].map(|corner| [shadow[0][corner][i], shadow[1][corner][i]]));
         }
-        let [value, middle] = self.below;
-        let mut sum = Value { value: value + depth * middle, derivative: middle, second: 0.0 };
-        self.parts.integrate(depth, &mut sum, |i| self.faces.quotient(case.parts[i], &s));
-        if case.saddles != 0 {
-            self.faces.add_saddles(case.saddles, mask, &s, depth, &mut sum);
-        }
-        sum
-    }
-}
-
-impl Faces {
-    #[inline(always)]
-    fn set_edges(&mut self) {
-        for (i, [a, b]) in Hexahedron::EDGES.into_iter().enumerate() {
-            let difference = (self.heights[b] - self.heights[a]).abs();
-            self.rise[i] = if difference > HEIGHT_NEGLIGIBLE { difference } else { HEIGHT_NEGLIGIBLE };
-        }
-        self.inverse = self.rise.map(f64::recip);
+        profile
     }
 
     /// Prepares a face, from the nodes projected along `e`.
     #[inline(always)]
-    fn set_face<const FACE: usize>(&mut self, shadow: &[[f64; 2]; 8]) {
-        let nodes = [0, 1, 2, 3].map(|i| Hexahedron::FACE_NODES[FACE][i]);
-        let between = |from: usize, to: usize| {
-            let ([a, b], [c, d]) = (shadow[nodes[from]], shadow[nodes[to]]);
-            [c - a, d - b]
-        };
+    fn set_face(&mut self, i: usize, nodes: [[f64; 2]; 4]) {
+        let between = |from: usize, to: usize| [nodes[to][0] - nodes[from][0], nodes[to][1] - nodes[from][1]];
         let cross = |x: [f64; 2], y: [f64; 2]| x[0] * y[1] - x[1] * y[0];
         let edges = [between(0, 1), between(1, 2), between(2, 3), between(0, 3)];
         let [g1, g2, g3] = [cross(edges[0], edges[3]), cross(edges[0], edges[1]), cross(edges[1], edges[2])];
         let g4 = g1 - g2 + g3;
-        let [h1, h2, h3, h4] = nodes.map(|node| self.heights[node]);
+        let [h1, h2, h3, h4] = [0, 1, 2, 3].map(|corner| self.heights[corner][i]);
+        for (rises, difference) in self.rises.iter_mut().zip([h2 - h1, h3 - h2, h4 - h3, h1 - h4]) {
+            let difference = difference.abs();
+            rises[i] = either(difference > HEIGHT_NEGLIGIBLE, difference, HEIGHT_NEGLIGIBLE);
+        }
         let (lower, upper) = (h2 - h1, h3 - h4);
-        let twist = upper - lower;
         let middle = 0.5 * (g1 + g3);
         let mean = 0.25 * ((h1 + h2) + (h3 + h4));
         let across = (h4 - h1) + (h3 - h2);
         let slopes = (lower + upper) * (g2 - g1) + across * (g4 - g1);
-        self.density[4 * FACE..4 * FACE + 4].copy_from_slice(&[g1, g2, g3, g4]);
-        self.twist[4 * FACE..4 * FACE + 4].copy_from_slice(&[twist, -twist, twist, -twist]);
-        self.whole[FACE] = [-(mean * middle + slopes * (1.0 / 24.0)), middle];
+        for (density, g) in self.density.iter_mut().zip([g1, g2, g3, g4]) {
+            density[i] = g;
+        }
+        self.twist[i] = upper - lower;
+        self.whole[0][i] = -(mean * middle + slopes * (1.0 / 24.0));
+        self.whole[1][i] = middle;
     }
 
-    /// The sum over whole faces.
+    /// The part of the cell below one depth.
     #[inline(always)]
-    fn sum_of_whole(&self, mut faces: u8) -> [f64; 2] {
-        let mut sum = [0.0; 2];
-        while faces != 0 {
-            let [value, middle] = self.whole[faces.trailing_zeros() as usize & 7];
-            sum[0] += value;
-            sum[1] += middle;
-            faces &= faces - 1;
+    pub(super) fn volume(&self, depth: f64) -> Value {
+        let mut faces = [[0.0; LANES]; 3];
+        let mut rare = [0.0; LANES];
+        for i in 0..LANES {
+            let heights = self.heights(i, depth);
+            let cut = Cut::new(heights.map(|s| s <= 0.0));
+            let part = self.part(i, heights, &cut);
+            let z = part.z();
+            let below = part.integrate(Argument::near(z));
+            let whole = self.whole(i, depth);
+            faces[0][i] = either(cut.part, below.value, 0.0) + either(cut.whole, whole.value, 0.0);
+            faces[1][i] = either(cut.part, below.derivative, 0.0) + either(cut.whole, whole.derivative, 0.0);
+            faces[2][i] = either(cut.part, below.second, 0.0);
+            rare[i] = either(cut.part & (cut.saddle | Argument::is_far(z)), 1.0, 0.0);
+        }
+        if sum(&rare) > 0.0 {
+            for i in (0..LANES).filter(|&i| rare[i] > 0.0) {
+                let Value { value, derivative, second } = self.rare_face(i, depth);
+                (faces[0][i], faces[1][i], faces[2][i]) = (value, derivative, second);
+            }
+        }
+        Value { value: sum(&faces[0]), derivative: sum(&faces[1]), second: sum(&faces[2]) }
+    }
+
+    #[inline(always)]
+    fn heights(&self, i: usize, depth: f64) -> [f64; 4] {
+        [0, 1, 2, 3].map(|corner| self.heights[corner][i] - depth)
+    }
+
+    /// The part of a face that is below, or is not.
+    #[inline(always)]
+    fn part(&self, i: usize, heights: [f64; 4], cut: &Cut) -> Part {
+        let turned = |lanes: &[Lanes; 4]| cut.turned([lanes[0][i], lanes[1][i], lanes[2][i], lanes[3][i]]);
+        let [s1, s2, ..] = cut.turned(heights);
+        let [g1, g2, _, g4] = turned(&self.density);
+        let [to_next, across, _, to_last] = turned(&self.rises);
+        let corner = Corner {
+            heights: [s1, s2],
+            density: [g1, g2, g4],
+            rises: [to_next, across, to_last],
+            twist: either(cut.turn[1], -self.twist[i], self.twist[i]),
+        };
+        Part::new(corner, cut.strip, cut.sign())
+    }
+
+    #[inline(always)]
+    fn whole(&self, i: usize, depth: f64) -> Value {
+        let [value, middle] = [self.whole[0][i], self.whole[1][i]];
+        Value { value: value + depth * middle, derivative: middle, second: 0.0 }
+    }
+
+    /// What is below of a face with a far argument, or with opposite corners below.
+    #[cold]
+    #[inline(never)]
+    fn rare_face(&self, i: usize, depth: f64) -> Value {
+        let heights = self.heights(i, depth);
+        let below = heights.map(|s| s <= 0.0);
+        let mut cut = Cut::new(below);
+        let mut parts = [Some(cut.turn), None];
+        if cut.saddle {
+            // The corners below meet across the saddle, and the other two are missing, or they do not.
+            let first = usize::from(!below[0]);
+            let joined = heights[first] * heights[first + 2] > heights[first + 1] * heights[(first + 3) & 3];
+            let counted_from = first ^ usize::from(joined);
+            parts = [false, true].map(|half| Some([half, counted_from == 1]));
+            (cut.whole, cut.rest) = (joined, joined);
+        }
+        let mut sum = if cut.whole { self.whole(i, depth) } else { Value::default() };
+        for turn in parts.into_iter().flatten() {
+            let cut = Cut { turn, ..cut };
+            let part = self.part(i, heights, &cut);
+            let z = part.z();
+            let far = Argument::is_far(z);
+            sum += part.integrate(if far {
+                Argument::far(z, self.quotient(i, heights, &cut))
+            } else {
+                Argument::near(z)
+            });
         }
         sum
     }
 
-    /// Adds the faces with opposite nodes below.
-    #[cold]
-    #[inline(never)]
-    fn add_saddles(&self, faces: u8, mask: usize, s: &[f64; 8], depth: f64, sum: &mut Value) {
-        for face in (0..6).filter(|face| faces >> face & 1 == 1) {
-            let (parts, joined) = cases::saddle(face, mask, s);
-            if joined {
-                let [value, middle] = self.whole[face];
-                *sum += Value { value: value + depth * middle, derivative: middle, second: 0.0 };
-            }
-            let mut columns = Parts::new();
-            self.gather(&parts, &mut columns);
-            columns.integrate(depth, sum, |i| self.quotient(parts[i], s));
+    /// `c'` and `c` of a part, or numbers in the same ratio, where their difference does not tell the smaller one.
+    fn quotient(&self, i: usize, heights: [f64; 4], cut: &Cut) -> [f64; 2] {
+        if cut.strip {
+            let [_, across, _, to_last] = cut.turned([0, 1, 2, 3].map(|corner| self.rises[corner][i]));
+            return [across, to_last];
         }
-    }
-
-    /// Puts parts side by side.
-    #[inline(always)]
-    fn gather<const N: usize>(&self, places: &[Place; N], parts: &mut Parts<N>) {
-        for (i, &place) in places.iter().enumerate() {
-            parts.set(i, self.part(place));
-        }
-    }
-
-    #[inline(always)]
-    fn part(&self, place: Place) -> Part {
-        let index = place.corner();
-        let corner = &CORNERS[index];
-        let [is_corner, is_strip] = place.kind();
-        let g = |step: usize| self.density[(index & !3 | (index + step) & 3) & 31];
-        let of_node = |node: u8| self.heights[usize::from(node & 7)];
-        Part {
-            near: of_node(corner.near),
-            next: of_node(corner.next),
-            base: is_strip,
-            per_next: is_corner * of_edge(&self.inverse, corner.to_next),
-            per_across: is_strip * of_edge(&self.inverse, corner.across),
-            rise: of_edge(&self.rise, corner.to_last),
-            per_rise: of_edge(&self.inverse, corner.to_last),
-            twist: place.sign() * self.twist[index],
-            density: [g(0), g(1) - g(0), g(3) - g(0)],
-            sign: place.sign(),
-        }
-    }
-
-    /// What [`Parts::integrate`] asks for, with the heights `s` over the plane.
-    fn quotient(&self, place: Place, s: &[f64; 8]) -> [f64; 2] {
-        let corner = &CORNERS[place.corner()];
-        let [s1, s2, s3, s4] =
-            [corner.near, corner.next, corner.far, corner.last].map(|node| s[usize::from(node & 7)]);
-        if place.kind()[1] == 1.0 {
-            [of_edge(&self.rise, corner.across), of_edge(&self.rise, corner.to_last)]
-        } else {
-            // The product underflows only where the face lies in the plane to beyond rounding, and adds nothing.
-            [(s2 * s4 - s1 * s3).max(0.0), ((s2 - s1) * (s4 - s1)).max(f64::MIN_POSITIVE)]
-        }
+        let [s1, s2, s3, s4] = cut.turned(heights);
+        // The product underflows only where the face lies in the plane to beyond rounding, and adds nothing.
+        [(s2 * s4 - s1 * s3).max(0.0), ((s2 - s1) * (s4 - s1)).max(f64::MIN_POSITIVE)]
     }
 }
 
+/// Numbers of the nodes by corner and face, and what stands where there is no face.
 #[inline(always)]
-fn of_edge(edges: &[f64; 16], edge: u8) -> f64 {
-    edges[usize::from(edge & 15)]
+fn corners(nodes: &[f64; 8], none: f64) -> [Lanes; 4] {
+    from_fn(|corner| {
+        from_fn(|face| if face < 6 { nodes[Hexahedron::FACE_NODES[face][corner]] } else { none })
+    })
 }
 
-/// Which nodes have a height that is not positive, one bit each.
+/// The sum over all faces.
 #[inline(always)]
-fn inside_mask(heights: &[f64; 8]) -> usize {
-    heights.iter().enumerate().fold(0, |mask, (i, &s)| mask | (usize::from(s <= 0.0) << i))
+fn sum(lanes: &Lanes) -> f64 {
+    let [a, b, c, d, e, f, g, h] = *lanes;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
