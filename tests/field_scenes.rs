@@ -5,7 +5,7 @@ mod cli_support;
 
 use std::fs;
 
-use cli_support::{Place, number};
+use cli_support::{Place, number, scene};
 use serde_json::Value;
 use vofkit::scene::{Scene, SceneError};
 
@@ -193,6 +193,27 @@ fn fields_rest_while_the_mesh_moves() {
         let [low, high] = ["minimum", "maximum"].map(|key| number(&field(&summary, "wave")[key]));
         assert!(low >= 1.0 - 1e-12 && high <= 2.0 + 1e-12, "{motion}: {low} {high}");
         assert!(number(&field(&summary, "wave")["l1_error"]) <= 0.1, "{motion}");
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit_of_a_field() {
+    let place = Place::new();
+    for name in ["mmale_step", "remesh_fields", "circular_wave", "square_wave_weighted"] {
+        let path = scene(&format!("fields/{name}"));
+        for threads in ["1", "2"] {
+            let arguments =
+                ["run", path.to_str().unwrap(), "--threads", threads, "--force", "--quiet", "--out"];
+            // More than one thread has something to do from 4096 cells on.
+            let size = ["--set", "mesh.cells=[72,60]"];
+            let steps = ["--set", "advection.courant=0.4", "--set", "output.fields=true"];
+            let done = place.vofkit(&[&arguments[..], &[threads], &size, &steps].concat());
+            assert_eq!(done.code, Some(0), "{}", done.err);
+        }
+        for file in place.listed("1").iter().filter(|file| *file != "summary.json") {
+            let [one, two] = ["1", "2"].map(|folder| fs::read(place.path(folder).join(file)).unwrap());
+            assert!(one == two, "{name} {file} differs");
+        }
     }
 }
 

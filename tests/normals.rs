@@ -147,6 +147,16 @@ fn planes_that_only_just_leave_a_cell_are_reproduced() {
     }
 }
 
+#[test]
+fn planes_that_keep_each_other_wrong_are_left_to_the_misfit() {
+    // The plane of cell [0, 7] and a small section beside it hold each other off the line by 1.5e-2 of a cell.
+    let mesh: Mesh2 = unit_mesh(12, random(0.2, 582));
+    let normal = Vector::<2>::new(0.33895, -0.94080).normalize();
+    let line = HalfSpace { normal, constant: normal.dot(&Vector::<2>::new(0.52373, 0.75469)) };
+    let (error, open, _) = plane_error(&mesh, line, NormalMethod::Swartz);
+    assert!(error <= 1e-10 && open <= 2, "{error:e}, {open} open");
+}
+
 /// A point near the middle of the unit box, the same for the same number.
 fn near_middle<const D: usize>(number: usize) -> Vector<D> {
     // Multiples of irrational numbers fill the box evenly.

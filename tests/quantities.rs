@@ -60,7 +60,10 @@ fn assert_bounded(state: &State) {
                 } else if k == 2 {
                     assert!((value - 2.5).abs() <= 1e-12 * 2.5, "{value}");
                 } else {
-                    assert!((RANGE[0]..=RANGE[1]).contains(value), "quantity {k}: {value}");
+                    assert!(
+                        (RANGE[0]..=RANGE[1]).contains(value),
+                        "quantity {k}: {value} where the fraction is {f:e}"
+                    );
                 }
             }
         }

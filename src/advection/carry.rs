@@ -78,36 +78,38 @@ pub(super) struct Carry<const D: usize> {
 struct Blend {
     amount: f64,
     weight: f64,
-    low: f64,
-    high: f64,
+    /// The least and the largest value that was added.
+    range: [f64; 2],
+    /// The same of what is owed: of values with negative weights.
+    owed: [f64; 2],
 }
 
 impl Blend {
     fn nothing() -> Self {
-        Self { amount: 0.0, weight: 0.0, low: f64::INFINITY, high: f64::NEG_INFINITY }
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        Self { amount: 0.0, weight: 0.0, range: none, owed: none }
     }
 
     fn add(&mut self, weight: f64, value: f64) {
         self.amount += weight * value;
         self.weight += weight;
-        if weight > 0.0 {
-            self.low = self.low.min(value);
-            self.high = self.high.max(value);
-        }
+        let [low, high] = if weight > 0.0 { &mut self.range } else { &mut self.owed };
+        *low = low.min(value);
+        *high = high.max(value);
     }
 
-    /// The mean, and what limiting it moves.
+    /// The mean, and what limiting it moves. A cell that only owes keeps its value, which what comes in later in the step may need.
     fn mean(&self) -> (f64, f64) {
-        if self.low > self.high {
+        let owes = self.range[0] > self.range[1];
+        let [low, high] = if owes { self.owed } else { self.range };
+        if low > high {
             return (0.0, self.amount.abs());
         }
-        let mean = if self.weight > 0.0 { self.amount / self.weight } else { 0.5 * (self.low + self.high) };
-        let value = mean.clamp(self.low, self.high);
+        let has_mean = if owes { self.weight < 0.0 } else { self.weight > 0.0 };
+        let mean = if has_mean { self.amount / self.weight } else { 0.5 * (low + high) };
+        let value = mean.clamp(low, high);
         // The quotient alone moves nothing.
-        (
-            value,
-            if value == mean && self.weight > 0.0 { 0.0 } else { (value * self.weight - self.amount).abs() },
-        )
+        (value, if value == mean && has_mean { 0.0 } else { (value * self.weight - self.amount).abs() })
     }
 }
 

@@ -32,7 +32,6 @@ pub use stencil::Stencil;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum NormalMethod {
     /// Youngs' gradient over the 3^D stencil, taken to physical space with the Jacobian of the same stencil.
-    #[default]
     Youngs,
     /// The paper's form of Youngs' gradient: the logical axes stand for the Cartesian ones (Eq. 82).
     YoungsLogical,
@@ -42,7 +41,10 @@ pub enum NormalMethod {
     Lvira,
     /// The best of the planes that differences of column heights give (Pilliod & Puckett 2004).
     Elvira,
-    /// The plane through the middles of the sections of the neighbours, until it stays (Swartz 1989; Mosso et al. 1996).
+    /// The plane through the middles of the sections of the neighbours, until it stays (Swartz 1989; Mosso et al. 1996). The default in
+    /// two and three dimensions: of all methods it leaves the smallest errors, on undistorted and on distorted meshes, and only
+    /// gradients are found in less time.
+    #[default]
     Swartz,
     /// Along the logical direction in which the fractions change most (Noh & Woodward 1976).
     Slic,

@@ -16,6 +16,9 @@
 //! The original has `h_0 = 0` and equal weights. There a small section that lies wrong keeps itself wrong, and a corner is felt two cells
 //! away, since the plane next to it counts as much as one whose neighbours all agree with it. Circles come out better with these weights, too.
 //!
+//! Planes that do not come to rest (next to a corner, or where a small section and a plane that leans on it keep each other wrong) are
+//! left to [LVIRA](super::lvira).
+//!
 //! **Neighbours** are the cells of the patch whose section belongs to the same piece of interface: their normals lie within 60
 //! degrees, and the line between the middles within 45 degrees of the present plane. So the other side of a film or of a narrow
 //! gap counts for nothing.
@@ -64,23 +67,24 @@ pub(super) fn relaxed<C: Cell<D>, const D: usize>(
 ) -> Vec<Found<D>> {
     let problem = Problem { material, cells, position };
     let starts: Vec<(Found<D>, Option<Plane<D>>)> = parallel::map(cells.len(), |i| problem.start(i));
-    let (mut found, mut planes): (Vec<_>, Vec<_>) = starts.into_iter().unzip();
+    let (found, mut planes): (Vec<_>, Vec<_>) = starts.into_iter().unzip();
     let links = parallel::map(cells.len(), |i| problem.links(i));
+    let mut next = Vec::new();
     for _ in 0..RELAXED_ROUNDS {
-        let next = parallel::map(cells.len(), |i| problem.turned(i, &links[i], &planes));
+        next = parallel::map(cells.len(), |i| problem.turned(i, &links[i], &planes));
         if next.iter().all(Option::is_none) {
             break;
         }
-        for (plane, next) in planes.iter_mut().zip(next) {
+        for (plane, next) in planes.iter_mut().zip(&next) {
             *plane = next.or(*plane);
         }
     }
-    for (found, plane) in found.iter_mut().zip(&planes) {
-        if let Some(plane) = plane {
-            *found = Ok(plane.direction);
-        }
-    }
-    found
+    let settled = |i: usize| {
+        let Some(plane) = planes[i] else { return found[i] };
+        let restless = next[i].is_some() && plane.direction.determined;
+        Ok(if restless { problem.by_misfit(i, plane.direction) } else { plane.direction })
+    };
+    parallel::map(cells.len(), settled)
 }
 
 struct Problem<'a, C, const D: usize> {
@@ -102,6 +106,16 @@ impl<C: Cell<D>, const D: usize> Problem<'_, C, D> {
             Some(Plane { direction, anchor, middle, turn: f64::INFINITY, spread: 1.0 })
         });
         (found, plane)
+    }
+
+    /// LVIRA's normal, where it is determined, for a plane that does not come to rest.
+    fn by_misfit(&self, i: usize, restless: Direction<D>) -> Direction<D> {
+        let index = self.cells[i];
+        let cell = self.material.mesh.local_cell(index);
+        match NormalMethod::Lvira.normal(self.material, index, &cell, self.position) {
+            Ok(found) if found.determined => Direction { trials: restless.trials + found.trials, ..found },
+            _ => restless,
+        }
     }
 
     /// The middle of the section with this normal that leaves the cell its volume.

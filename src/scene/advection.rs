@@ -29,7 +29,7 @@ pub(super) struct ReconstructionSection {
 impl Default for ReconstructionSection {
     fn default() -> Self {
         let word = |text: &str| default(text.to_owned());
-        Self { normal: word("youngs"), position: word("auto"), materials: word("nested") }
+        Self { normal: word("swartz"), position: word("auto"), materials: word("nested") }
     }
 }
 

@@ -15,6 +15,8 @@ fn small(name: &str) -> Vec<&'static str> {
     let mut settings = match name {
         "zalesak_disc" => vec!["mesh.cells=[50,50]", "advection.steps=600"],
         "shear_3d" => vec!["mesh.cells=[10,10,20]"],
+        // On fewer cells the disc is drawn out to less than a cell.
+        "reversed_vortex" => vec!["mesh.cells=[32,32]"],
         "deformation_3d" | "sphere_diagonal" | "sphere_rotation" => vec!["mesh.cells=[12,12,12]"],
         "remesh_smooth" => vec!["mesh.cells=[10,10,10]"],
         "remesh_random" => vec!["mesh.cells=[10,10,10]", "mesh.motion.random.swings=1"],
@@ -170,7 +172,7 @@ fn the_reversed_vortex_is_as_accurate_as_it_should_be() {
     let coarse = error("mesh.cells=[32,32]", "advection.courant=1.0");
     assert!((3.5e-2..=4.1e-2).contains(&coarse), "{coarse}");
     let fine = error("mesh.cells=[64,64]", "advection.courant=0.5");
-    assert!((0.9e-2..=1.2e-2).contains(&fine), "{fine}");
+    assert!((4.5e-3..=6e-3).contains(&fine), "{fine}");
 }
 
 #[test]
