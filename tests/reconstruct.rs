@@ -8,6 +8,20 @@ use std::fs;
 use cli_support::{Place, assert_files, number, scene, still_scenes};
 use serde_json::Value;
 
+#[test]
+fn a_still_interface_is_the_one_that_a_run_starts_from() {
+    let place = Place::new();
+    let settings = ["mesh.cells=[30,30]", "advection.steps=1", "output.times=[0.0]"];
+    place.run("seven_discs", "run", &settings);
+    let summary = place.reconstruct("seven_discs", "still", &settings);
+    for file in ["interface_0000.vtp", "interface_0000.obj"] {
+        let [run, still] = ["run", "still"].map(|folder| fs::read(place.path(folder).join(file)).unwrap());
+        assert!(run == still, "{file} differs");
+    }
+    let nested = summary["materials"].as_array().unwrap().iter().map(|m| number(&m["planes"]["nested"]));
+    assert!(nested.sum::<f64>() >= 2.0, "{summary}");
+}
+
 /// The sum of the counts by status.
 fn total(counts: &Value) -> u64 {
     counts.as_object().unwrap().values().map(|count| count.as_u64().unwrap()).sum()

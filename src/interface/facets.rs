@@ -10,7 +10,7 @@ use crate::mesh::Mesh;
 use crate::space::spatial;
 
 /// The piece of interface in a cell whose plane was placed; none where there is no plane.
-pub fn facet<C: Cell<D>, const D: usize>(
+pub(super) fn facet<C: Cell<D>, const D: usize>(
     mesh: &Mesh<C, D>,
     index: usize,
     material: usize,

@@ -17,8 +17,7 @@ pub(crate) use nested::{RegionOf, Share};
 pub use sharing::Materials;
 pub(crate) use sharing::planes_of_all;
 
-pub use facets::facet;
-use facets::nested_facets;
+use facets::{facet, nested_facets};
 
 use crate::facet::Facet;
 use crate::mesh::{Grid, Mesh};
@@ -315,9 +314,26 @@ pub fn reconstruct<C: Cell<D>, const D: usize>(
     fractions.iter().try_for_each(|f| check_fractions(mesh.grid(), f))?;
     let cells: Vec<usize> =
         (0..mesh.grid().len()).filter(|&i| fractions.iter().any(|f| is_mixed(f[i]))).collect();
+    let mut counts = Counts::default();
+    let untimed = &mut Stopwatch::default();
+    let planes = planes_of_all(Body::Cell, mesh, fractions, &cells, method, &mut counts, untimed)?;
+    let mut interface = with_planes(mesh, fractions, &cells, &planes, method)?;
+    interface.counts.add(&counts);
+    Ok(interface)
+}
+
+/// The interface in `cells` with the [planes](planes_of_all) that were placed in them; what is counted is what is cut one after the other.
+///
+/// # Errors
+/// See [`Dissector::dissect`].
+pub(crate) fn with_planes<C: Cell<D>, const D: usize>(
+    mesh: &Mesh<C, D>,
+    fractions: &[Vec<f64>],
+    cells: &[usize],
+    planes: &[Option<Placed<D>>],
+    method: Reconstruction,
+) -> Result<Interface<D>, ReconstructionError> {
     let mut interface = Interface::default();
-    let (counts, untimed) = (&mut interface.counts, &mut Stopwatch::default());
-    let planes = planes_of_all(Body::Cell, mesh, fractions, &cells, method, counts, untimed)?;
     let made = parallel::map(cells.len(), |i| {
         let (index, planes) = (cells[i], &planes[i * fractions.len()..][..fractions.len()]);
         if planes.iter().flatten().any(Placed::is_nested) {

@@ -87,9 +87,9 @@ pub struct StillMaterial {
     /// Its planes.
     pub planes: CountsByStatus,
     /// `E`: the volume of the symmetric difference of what its planes leave of their cells and its shape, without what other materials
-    /// cover; none without a shape.
+    /// cover, in the cells where it is not one of several that are cut one after the other; none without a shape.
     pub symmetric_difference: Option<f64>,
-    /// The mean Hausdorff distance of its facets from its disc or sphere; none for other shapes, or covered ones.
+    /// The mean Hausdorff distance of its facets in these cells from its disc or sphere; none for other shapes, or covered ones.
     pub hausdorff_mean: Option<f64>,
 }
 
@@ -108,6 +108,8 @@ pub struct CountsByStatus {
     pub balanced: usize,
     /// Without the centroid that the method needs.
     pub no_centroid: usize,
+    /// Shared with other materials, which are cut one after the other.
+    pub nested: usize,
 }
 
 impl From<&Counts> for CountsByStatus {
@@ -119,19 +121,21 @@ impl From<&Counts> for CountsByStatus {
             isolated: counts.isolated,
             balanced: counts.balanced,
             no_centroid: counts.no_centroid,
+            nested: 0,
         }
     }
 }
 
 impl CountsByStatus {
     fn text(&self) -> String {
-        let Self { plane, undetermined, flat, isolated, balanced, no_centroid } = *self;
+        let Self { plane, undetermined, flat, isolated, balanced, no_centroid, nested } = *self;
         let rare = [
             ("undetermined", undetermined),
             ("flat", flat),
             ("isolated", isolated),
             ("balanced", balanced),
             ("without a centroid", no_centroid),
+            ("cut after others", nested),
         ];
         let told =
             rare.iter().filter(|(_, count)| *count > 0).map(|(name, count)| format!(", {count} {name}"));

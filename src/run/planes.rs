@@ -19,8 +19,13 @@ pub(super) struct CellPlanes<const D: usize> {
 }
 
 impl<const D: usize> CellPlanes<D> {
-    /// From the material's fractions, what the reconstruction gave in its mixed cells, and its facets.
-    pub(super) fn new(fractions: &[f64], mixed: &[usize], placed: &[Placed<D>], facets: &[Facet<D>]) -> Self {
+    /// From the material's fractions, what the reconstruction gave in some cells, all mixed ones among them, and its facets. Where it is cut
+    /// from its cell after other materials it has an area alone.
+    pub(super) fn new<'a>(
+        fractions: &[f64],
+        placed: impl IntoIterator<Item = (usize, &'a Placed<D>)>,
+        facets: impl IntoIterator<Item = &'a Facet<D>>,
+    ) -> Self {
         let cells = fractions.len();
         let mut planes = Self {
             normals: vec![Vector::zeros(); cells],
@@ -28,13 +33,15 @@ impl<const D: usize> CellPlanes<D> {
             areas: vec![0.0; cells],
             status: fractions.iter().map(|&f| CellStatus::of_pure(f).code()).collect(),
         };
-        for (&cell, placed) in mixed.iter().zip(placed) {
+        for (cell, placed) in placed {
             planes.status[cell] = CellStatus::from(placed).code();
         }
         for facet in facets {
-            planes.normals[facet.cell] = facet.normal;
-            planes.constants[facet.cell] = facet.plane_constant;
-            planes.areas[facet.cell] = facet.area;
+            planes.areas[facet.cell] += facet.area;
+            if planes.status[facet.cell] != CellStatus::Nested.code() {
+                planes.normals[facet.cell] = facet.normal;
+                planes.constants[facet.cell] = facet.plane_constant;
+            }
         }
         planes
     }

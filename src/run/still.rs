@@ -16,11 +16,11 @@ use super::tally::{mixed_cells, not_asked_for};
 use super::{RunError, RunOptions};
 use crate::export::write_file;
 use crate::facet::Facet;
-use crate::interface::{Body, Counts, ReconstructionError, check_fractions, facet, is_mixed, planes_timed};
+use crate::interface::{
+    Body, Counts, ReconstructionError, check_fractions, is_mixed, planes_of_all, with_planes,
+};
 use crate::mesh::Mesh;
 use crate::metrics::{facet_gap_mean, material_volume};
-use crate::normal::Material;
-use crate::parallel;
 use crate::report::still::{CountsByStatus, StageSeconds, StillMaterial, StillSummary};
 use crate::scene::Still;
 use crate::stopwatch::Stopwatch;
@@ -110,12 +110,16 @@ fn write_summary(folder: &Path, summary: &StillSummary) -> Result<(), RunError> 
 
 /// The interface of all materials.
 struct Found<const D: usize> {
+    /// What was done, whatever the material.
+    all: Counts,
     /// By material.
-    counts: Vec<Counts>,
+    counts: Vec<CountsByStatus>,
     /// By material; none where no fields are asked for.
     planes: Vec<CellPlanes<D>>,
     /// By material, then cell.
     facets: Vec<Facet<D>>,
+    /// By material: the cells in which it is one of several that are cut one after the other, ascending.
+    nested: Vec<Vec<usize>>,
 }
 
 impl<const D: usize> Found<D> {
@@ -125,26 +129,33 @@ impl<const D: usize> Found<D> {
         fractions: &[Vec<f64>],
         seconds: &mut StageSeconds,
     ) -> Result<Self, ReconstructionError> {
-        let mut found = Self { counts: Vec::new(), planes: Vec::new(), facets: Vec::new() };
+        fractions.iter().try_for_each(|f| check_fractions(mesh.grid(), f))?;
+        let is_mixed = |&cell: &usize| fractions.iter().any(|f| is_mixed(f[cell]));
+        let cells: Vec<usize> = (0..mesh.grid().len()).filter(is_mixed).collect();
+        let mut all = Counts::default();
+        let method = scene.reconstruction;
+        let mut stopwatch = Stopwatch::started();
+        let placed = planes_of_all(Body::Cell, mesh, fractions, &cells, method, &mut all, &mut stopwatch)?;
+        seconds.normals += stopwatch.seconds().normals;
+        seconds.positions += stopwatch.seconds().positions;
+        let interface = timed(&mut seconds.facets, || with_planes(mesh, fractions, &cells, &placed, method))?;
+        all.add(&interface.counts);
+        let facets = interface.facets;
+        let mut found = Self { all, counts: Vec::new(), planes: Vec::new(), facets, nested: Vec::new() };
         for (k, fractions) in fractions.iter().enumerate() {
-            check_fractions(mesh.grid(), fractions)?;
-            let mixed: Vec<usize> = (0..fractions.len()).filter(|&cell| is_mixed(fractions[cell])).collect();
-            let material = Material { mesh, fractions, centroids: None };
-            let mut stopwatch = Stopwatch::started();
-            let placed = planes_timed(Body::Cell, material, &mixed, scene.reconstruction, &mut stopwatch)?;
-            seconds.normals += stopwatch.seconds().normals;
-            seconds.positions += stopwatch.seconds().positions;
+            let of_cell = |(&cell, placed)| Some((cell, Option::as_ref(placed)?));
+            let own =
+                || cells.iter().zip(placed.iter().skip(k).step_by(scene.materials.len())).filter_map(of_cell);
             let mut counts = Counts::default();
-            placed.iter().for_each(|placed| counts.count(placed));
-            let facets = timed(&mut seconds.facets, || {
-                parallel::map(mixed.len(), |i| facet(mesh, mixed[i], k, &placed[i]))
-            });
-            let facets: Vec<Facet<D>> = facets.into_iter().flatten().collect();
+            own().for_each(|(_, placed)| counts.count(placed));
+            let nested: Vec<usize> =
+                own().filter(|(_, placed)| placed.is_nested()).map(|(cell, _)| cell).collect();
             if scene.output.fields {
-                found.planes.push(CellPlanes::new(fractions, &mixed, &placed, &facets));
+                let facets = found.facets.iter().filter(|facet| facet.material == k);
+                found.planes.push(CellPlanes::new(fractions, own(), facets));
             }
-            found.counts.push(counts);
-            found.facets.extend(facets);
+            found.counts.push(CountsByStatus { nested: nested.len(), ..CountsByStatus::from(&counts) });
+            found.nested.push(nested);
         }
         Ok(found)
     }
@@ -153,8 +164,9 @@ impl<const D: usize> Found<D> {
     fn errors<C: Draw<D>>(&self, scene: &Still<D>, mesh: &Mesh<C, D>) -> Vec<ShapeErrors> {
         let Some(shapes) = scene.shapes() else { return vec![ShapeErrors::default(); self.counts.len()] };
         let of_material = |k: usize| {
-            let own: Vec<Facet<D>> =
-                self.facets.iter().filter(|facet| facet.material == k).cloned().collect();
+            let alone = |facet: &Facet<D>| self.nested[k].binary_search(&facet.cell).is_err();
+            let own = self.facets.iter().filter(|facet| facet.material == k && alone(facet));
+            let own: Vec<Facet<D>> = own.cloned().collect();
             ShapeErrors::new(mesh, &own, &shapes[..=k])
         };
         (0..shapes.len()).map(of_material).collect()
@@ -169,8 +181,7 @@ impl<const D: usize> Found<D> {
         errors: &[ShapeErrors],
         seconds: StageSeconds,
     ) -> StillSummary {
-        let mut all = Counts::default();
-        self.counts.iter().for_each(|counts| all.add(counts));
+        let all = &self.all;
         let per_plane = |sum: f64| (all.mixed > 0).then(|| sum / all.mixed as f64);
         let material = |k: usize| {
             let own = self.facets.iter().filter(|facet| facet.material == k);
@@ -178,7 +189,7 @@ impl<const D: usize> Found<D> {
                 name: scene.materials[k].name.clone(),
                 volume: material_volume(mesh, &fractions[k]),
                 area: own.map(|facet| facet.area).sum(),
-                planes: CountsByStatus::from(&self.counts[k]),
+                planes: self.counts[k],
                 symmetric_difference: errors[k].symmetric_difference,
                 hausdorff_mean: errors[k].hausdorff_mean,
             }
@@ -190,7 +201,7 @@ impl<const D: usize> Found<D> {
             cells_per_direction: mesh.grid().cells().to_vec(),
             normal: scene.normal_word().to_owned(),
             mixed_cells: mixed_cells(fractions),
-            planes: CountsByStatus::from(&all),
+            planes: CountsByStatus::from(all),
             positions_closed_form: all.closed_form,
             positions_iterative: all.iterative,
             evaluations_per_position: all.evaluations_per_position(),

@@ -14,7 +14,7 @@ use serde_json::Value;
 fn small(name: &str) -> Vec<&'static str> {
     let mut settings = match name {
         "zalesak_disc" => vec!["mesh.cells=[50,50]", "advection.steps=600"],
-        "shear_3d" => vec!["mesh.cells=[10,10,20]"],
+        "shear_3d" => vec!["mesh.cells=[12,12,24]"],
         // On fewer cells the disc is drawn out to less than a cell.
         "reversed_vortex" => vec!["mesh.cells=[32,32]"],
         "deformation_3d" | "sphere_diagonal" | "sphere_rotation" => vec!["mesh.cells=[12,12,12]"],
