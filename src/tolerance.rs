@@ -28,6 +28,9 @@ pub const DESCENT_GAIN: f64 = 1e-3;
 /// which keeps it to 1e-12 of a cell.
 pub const MISFIT_ROUNDING: f64 = 1e-28;
 
+/// A misfit (of fractions, squared and weighted) below this is none: the plane fits the patch as exactly as the fractions are known.
+pub const MISFIT_NONE: f64 = 1e-20;
+
 /// How many times smaller the squared misfit of a material has to be with something set aside than without. Interfaces that end at
 /// another one are fitted exactly that way, curved ones hardly better; touching bodies are carried best from about 16 on.
 pub(crate) const ASIDE_MISFIT: f64 = 16.0;

@@ -23,7 +23,7 @@ use vofkit_geometry::{Cell, HalfSpace, PositionMethod, Vector};
 
 use super::descent::{Descent, Sample, descend};
 use super::patch::{Met, Patch};
-use super::{Around, Direction, Found};
+use super::{Around, Direction, Found, NoNormal};
 use super::{elvira, least_squares, youngs};
 use crate::tolerance::{CELL_PART, MISFIT_POOR, SPREAD_LEAST, STARTS_APART};
 
@@ -31,10 +31,18 @@ pub(super) fn normal<C: Cell<D>, const D: usize>(
     around: &Around<'_, C, D>,
     position: PositionMethod,
 ) -> Found<D> {
+    with_misfit(around, position).map(|(direction, _)| direction)
+}
+
+/// The normal with the misfit of its plane.
+pub(super) fn with_misfit<C: Cell<D>, const D: usize>(
+    around: &Around<'_, C, D>,
+    position: PositionMethod,
+) -> Result<(Direction<D>, f64), NoNormal> {
     let start = youngs::physical(around)?;
     let mut fit = Fit::new(around, position);
     let Some(mut best) = fit.descend(fit.patch.frame.normal(&start.normal)) else {
-        return Ok(Direction { determined: false, trials: fit.trials, ..start });
+        return Ok((Direction { determined: false, trials: fit.trials, ..start }, f64::INFINITY));
     };
     if best.misfit > MISFIT_POOR * fit.patch.neighbours().count() as f64 {
         // In 3D there are 27 candidates of ELVIRA, and none of them is better than a gradient.
@@ -58,7 +66,7 @@ pub(super) fn normal<C: Cell<D>, const D: usize>(
         }
     }
     let normal = if best.determined { fit.patch.frame.in_space(&best.normal) } else { start.normal };
-    Ok(Direction { normal, determined: best.determined, trials: fit.trials })
+    Ok((Direction { normal, determined: best.determined, trials: fit.trials }, best.misfit))
 }
 
 /// The misfit of planes over one patch.

@@ -16,8 +16,8 @@
 //! The original has `h_0 = 0` and equal weights. There a small section that lies wrong keeps itself wrong, and a corner is felt two cells
 //! away, since the plane next to it counts as much as one whose neighbours all agree with it. Circles come out better with these weights, too.
 //!
-//! Planes that do not come to rest (next to a corner, or where a small section and a plane that leans on it keep each other wrong) are
-//! left to [LVIRA](super::lvira).
+//! Planes may not come to rest: next to a corner, or where a small section and a plane that leans on it keep each other wrong. Where
+//! [LVIRA](super::lvira) then finds a plane that fits the patch to rounding, it is taken.
 //!
 //! **Neighbours** are the cells of the patch whose section belongs to the same piece of interface: their normals lie within 60
 //! degrees, and the line between the middles within 45 degrees of the present plane. So the other side of a film or of a narrow
@@ -30,10 +30,11 @@ use super::descent::{least_curvature, solve_across};
 use super::frame::Frame;
 use super::patch::shift_beyond_ends;
 use super::stencil::{stencil_cells, step_of};
-use super::{Direction, Found, Material, NormalMethod};
+use super::{Around, Direction, Found, Material, NormalMethod, Stencil, lvira};
 use crate::parallel;
 use crate::tolerance::{
-    CONNECTED_NORMALS, CONNECTED_SLOPE, PLANE_DETERMINED, RELAXED_GAIN, RELAXED_ROUNDS, TURN_ROUNDING,
+    CONNECTED_NORMALS, CONNECTED_SLOPE, MISFIT_NONE, PLANE_DETERMINED, RELAXED_GAIN, RELAXED_ROUNDS,
+    TURN_ROUNDING,
 };
 
 /// A plane on the way.
@@ -59,19 +60,36 @@ struct Links {
     count: usize,
 }
 
+impl Links {
+    /// Place and step of each.
+    fn iter(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let all = self.places.iter().zip(&self.steps).take(self.count);
+        all.map(|(&place, &step)| (place as usize, usize::from(step)))
+    }
+}
+
 /// The normals in the mixed `cells` (ascending).
 pub(super) fn relaxed<C: Cell<D>, const D: usize>(
     material: Material<'_, C, D>,
     cells: &[usize],
     position: PositionMethod,
 ) -> Vec<Found<D>> {
-    let problem = Problem { material, cells, position };
+    let frames = parallel::map(cells.len(), |i| Frame::new(&material.mesh.local_cell(cells[i])));
+    let problem = Problem { material, cells, frames, position };
     let starts: Vec<(Found<D>, Option<Plane<D>>)> = parallel::map(cells.len(), |i| problem.start(i));
     let (found, mut planes): (Vec<_>, Vec<_>) = starts.into_iter().unzip();
     let links = parallel::map(cells.len(), |i| problem.links(i));
-    let mut next = Vec::new();
+    let mut next = planes.clone();
     for _ in 0..RELAXED_ROUNDS {
-        next = parallel::map(cells.len(), |i| problem.turned(i, &links[i], &planes));
+        // What stayed, among planes that stayed, stays.
+        let moved = |i: usize| next[i].is_some() || links[i].iter().any(|(place, _)| next[place].is_some());
+        next =
+            parallel::map(
+                cells.len(),
+                |i| {
+                    if moved(i) { problem.turned(i, &links[i], &planes) } else { None }
+                },
+            );
         if next.iter().all(Option::is_none) {
             break;
         }
@@ -82,7 +100,8 @@ pub(super) fn relaxed<C: Cell<D>, const D: usize>(
     let settled = |i: usize| {
         let Some(plane) = planes[i] else { return found[i] };
         let restless = next[i].is_some() && plane.direction.determined;
-        Ok(if restless { problem.by_misfit(i, plane.direction) } else { plane.direction })
+        let fitted = if restless { problem.fitted(i) } else { None };
+        Ok(fitted.unwrap_or(plane.direction))
     };
     parallel::map(cells.len(), settled)
 }
@@ -90,6 +109,7 @@ pub(super) fn relaxed<C: Cell<D>, const D: usize>(
 struct Problem<'a, C, const D: usize> {
     material: Material<'a, C, D>,
     cells: &'a [usize],
+    frames: Vec<Frame<D>>,
     position: PositionMethod,
 }
 
@@ -108,14 +128,19 @@ impl<C: Cell<D>, const D: usize> Problem<'_, C, D> {
         (found, plane)
     }
 
-    /// LVIRA's normal, where it is determined, for a plane that does not come to rest.
-    fn by_misfit(&self, i: usize, restless: Direction<D>) -> Direction<D> {
+    /// LVIRA's normal, where its plane fits the patch to rounding.
+    fn fitted(&self, i: usize) -> Option<Direction<D>> {
         let index = self.cells[i];
         let cell = self.material.mesh.local_cell(index);
-        match NormalMethod::Lvira.normal(self.material, index, &cell, self.position) {
-            Ok(found) if found.determined => Direction { trials: restless.trials + found.trials, ..found },
-            _ => restless,
-        }
+        let grid = self.material.mesh.grid();
+        let offset = grid.offset(index);
+        let stencil = Stencil::new(grid, self.material.fractions, offset);
+        let (found, misfit) = lvira::with_misfit(
+            &Around { material: self.material, index, offset, cell: &cell, stencil },
+            self.position,
+        )
+        .ok()?;
+        (found.determined && misfit <= MISFIT_NONE).then_some(found)
     }
 
     /// The middle of the section with this normal that leaves the cell its volume.
@@ -155,26 +180,25 @@ impl<C: Cell<D>, const D: usize> Problem<'_, C, D> {
     fn turned(&self, i: usize, links: &Links, planes: &[Option<Plane<D>>]) -> Option<Plane<D>> {
         let own = planes[i]?;
         let (mesh, index) = (self.material.mesh, self.cells[i]);
-        let cell = mesh.local_cell(index);
-        let frame = Frame::new(&cell);
+        let frame = &self.frames[i];
         let normal = frame.normal(&own.direction.normal);
         let (mut matrix, mut right) = (SMatrix::<f64, D, D>::zeros(), Vector::<D>::zeros());
         let (mut places, mut heights, mut squares) = (Vector::<D>::zeros(), 0.0, 0.0);
         // The cell's own middle is one of the points, at the origin.
         let (mut turn, mut weights) = (own.turn, self.certainty(i, &own));
-        for (&place, &step) in links.places[..links.count].iter().zip(&links.steps) {
-            let Some(other) = planes[place as usize] else { continue };
+        for (place, step) in links.iter() {
+            let Some(other) = planes[place] else { continue };
             if own.direction.normal.dot(&other.direction.normal) < CONNECTED_NORMALS {
                 continue;
             }
-            let beyond = shift_beyond_ends(mesh, index, &step_of::<D>(step.into()));
+            let beyond = shift_beyond_ends(mesh, index, &step_of::<D>(step));
             let arm = frame.point(&((other.middle - own.middle) + (other.anchor - own.anchor) + beyond));
             let h = normal.dot(&arm);
             let t = arm - normal * h;
             if h.abs() > CONNECTED_SLOPE * t.norm() {
                 continue;
             }
-            let weight = self.certainty(place as usize, &other) / arm.norm().powi(3);
+            let weight = self.certainty(place, &other) / arm.norm().powi(3);
             matrix += t * t.transpose() * weight;
             right += t * (weight * h);
             squares += weight * h * h;
@@ -197,7 +221,7 @@ impl<C: Cell<D>, const D: usize> Problem<'_, C, D> {
         }
         let step = solve_across(&matrix, &right, &normal, 0.0);
         let turned = frame.in_space(&(normal - step));
-        let middle = self.middle(i, &cell, &turned)?;
+        let middle = self.middle(i, &mesh.local_cell(index), &turned)?;
         let direction = Direction { normal: turned, determined: true, trials: own.direction.trials + 1 };
         Some(Plane { direction, middle, turn: step.norm_squared(), spread, ..own })
     }
