@@ -11,7 +11,7 @@ use serde_json::Value;
 #[test]
 fn a_still_interface_is_the_one_that_a_run_starts_from() {
     let place = Place::new();
-    let settings = ["mesh.cells=[30,30]", "advection.steps=1", "output.times=[0.0]"];
+    let settings = ["mesh.cells=[30,30]", "advection.end_time=0.1", "output.times=[0.0]"];
     place.run("seven_discs", "run", &settings);
     let summary = place.reconstruct("seven_discs", "still", &settings);
     for file in ["interface_0000.vtp", "interface_0000.obj"] {
