@@ -11,6 +11,7 @@ use vofkit::geometry::{Cell, Vector};
 use vofkit::interface::Reconstruction;
 use vofkit::mesh::{Distortion, Mesh};
 use vofkit::metrics::shape_error;
+use vofkit::normal::NormalMethod;
 use vofkit::quantity::State;
 use vofkit::shape::Shape;
 use vofkit::velocity::{Field, Reversal, Velocity};
@@ -131,17 +132,19 @@ fn all_faces_at_once_are_worse_than_sweeps_and_enter_their_corrections() {
 }
 
 #[test]
-fn symmetric_sweeps_are_about_as_good_as_alternating_ones_for_large_steps() {
+fn symmetric_sweeps_are_at_least_as_good_as_alternating_ones_under_youngs_normals() {
     let velocity = Velocity { field: Field::ReversedVortex, reversal: Reversal::Cosine { period: 2.0 } };
     for distortion in [Distortion::None, random(0.15, 2)] {
         let mesh: Mesh2 = unit_mesh(32, distortion);
         let disc = [ball([0.5, 0.75], 0.15)];
         let [alternating, symmetric] = [Settings::default(), symmetric(SweepAxes::Logical)].map(|settings| {
+            // With better normals one more reconstruction a step costs more than splitting it.
+            let reconstruction = Reconstruction { normal: NormalMethod::Youngs, ..Reconstruction::default() };
+            let settings = Settings { reconstruction, ..settings };
             let (start, fractions, _) = advected(&mesh, velocity, settings, &disc, [0.5, 2.0]);
             shape_error(&mesh, &fractions[0], &start[0])
         });
-        // They reconstruct more often, which costs more than splitting the step where normals are good.
-        assert!(symmetric <= 1.2 * alternating, "{symmetric} {alternating}");
+        assert!(symmetric <= 1.1 * alternating, "{symmetric} {alternating}");
     }
 }
 

@@ -21,7 +21,8 @@ const DEFAULT_COURANT: f64 = 0.5;
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default, expecting = "a table with normal, position, materials")]
 pub(super) struct ReconstructionSection {
-    normal: Spanned<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    normal: Option<Spanned<String>>,
     position: Spanned<String>,
     materials: Spanned<String>,
 }
@@ -29,16 +30,25 @@ pub(super) struct ReconstructionSection {
 impl Default for ReconstructionSection {
     fn default() -> Self {
         let word = |text: &str| default(text.to_owned());
-        Self { normal: word("swartz"), position: word("auto"), materials: word("nested") }
+        Self { normal: None, position: word("auto"), materials: word("nested") }
     }
 }
 
 impl ReconstructionSection {
+    /// The normal method, once it is [resolved](Self::resolve).
     pub(super) fn normal_word(&self) -> &str {
-        self.normal.get_ref()
+        self.normal.as_ref().map_or("", |normal| normal.get_ref())
     }
 
-    pub(super) fn resolve(&self, context: Context<'_>) -> Result<Reconstruction, SceneError> {
+    /// Where the regions that leave a cell may overlap, what corrections leave behind would grow under Swartz' normals on distorted
+    /// hexahedra, whose planes look along such remainders: Youngs' are the default there.
+    pub(super) fn resolve(
+        &mut self,
+        regions_overlap: bool,
+        context: Context<'_>,
+    ) -> Result<Reconstruction, SceneError> {
+        let usual = if regions_overlap { "youngs" } else { "swartz" };
+        let normal = self.normal.get_or_insert_with(|| default(usual.to_owned()));
         let normals = [
             ("youngs", NormalMethod::Youngs),
             ("youngs_logical", NormalMethod::YoungsLogical),
@@ -60,7 +70,7 @@ impl ReconstructionSection {
             ("independent", Materials::Independent),
         ];
         Ok(Reconstruction {
-            normal: context.word("the normal method", &self.normal, &normals, &["mof"])?,
+            normal: context.word("the normal method", normal, &normals, &["mof"])?,
             position: context.word("the position method", &self.position, &positions, &[])?,
             materials: context.word(
                 "the reconstruction of several materials",
@@ -258,6 +268,11 @@ impl AdvectionSection {
                 })
             }
         }
+    }
+
+    /// Whether the regions that leave a cell across its faces may overlap, on distorted meshes at least.
+    pub(super) fn regions_overlap(&self) -> bool {
+        self.scheme.get_ref() == Scheme::Isotropic.name() || self.sweep_axes.get_ref() == "cartesian"
     }
 
     /// The place of what fixes the size of a step: the Courant number if it is given.

