@@ -66,6 +66,34 @@ pub(crate) fn of_hexahedron(y: &[Vector3; 8], m: &Vector3, s: &[f64; 8]) -> Opti
     })
 }
 
+/// The same of a parallelepiped, whose section is a polygon: in each face an edge of it, from where the outward order of the face's nodes
+/// comes down through the plane to where it goes up. Areas are those of the polygon's shadow along the axis in which `m` is largest.
+pub(crate) fn of_parallelepiped(y: &[Vector3; 8], m: &Vector3, s: &[f64; 8]) -> Option<Vector3> {
+    let axis = m.iamax();
+    let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
+    let mut origin = None;
+    let (mut area, mut first) = (0.0, Vector3::zeros());
+    for face in Hexahedron::FACE_NODES {
+        let mut ends = [None; 2];
+        for i in 0..4 {
+            let (from, to) = (face[i], face[(i + 1) & 3]);
+            if (s[from] <= 0.0) != (s[to] <= 0.0) {
+                let crossing = y[from] + (y[to] - y[from]) * (s[from] / (s[from] - s[to]));
+                ends[usize::from(s[from] <= 0.0)] = Some(crossing);
+            }
+        }
+        let [Some(down), Some(up)] = ends else { continue };
+        let origin = *origin.get_or_insert(down);
+        let (a, b) = (down - origin, up - origin);
+        let twice = a[j] * b[k] - a[k] * b[j];
+        area += twice;
+        first += (a + b) * (twice / 3.0);
+    }
+    // An area of zero where the plane touches a node or an edge.
+    let centroid = origin? + first / area;
+    centroid.iter().all(|c| c.is_finite()).then_some(centroid)
+}
+
 /// The centroid of the section of a quadrilateral; see [`of_plane`].
 pub(crate) fn of_quad(y: &[Vector2; 4], m: &Vector2, s: &[f64; 4]) -> Option<Vector2> {
     of_plane(y, m, s, |s, p| {

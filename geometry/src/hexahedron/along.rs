@@ -60,7 +60,9 @@ impl<'a> Along<'a> {
 
     /// The centroid of the section at one depth, in the frame.
     pub(super) fn section_centroid(&self, depth: f64) -> Option<Vector3> {
-        centroid::of_hexahedron(&self.cell.local, &self.direction.m, &self.heights.map(|h| h - depth))
+        let heights = self.heights.map(|h| h - depth);
+        let of_cell = if self.cell.affine { centroid::of_parallelepiped } else { centroid::of_hexahedron };
+        of_cell(&self.cell.local, &self.direction.m, &heights)
     }
 
     /// The same, prepared for many depths.
