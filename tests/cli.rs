@@ -305,3 +305,67 @@ mod disk {
         assert!(done.err.contains("standard output"), "{}", done.err);
     }
 }
+
+#[test]
+fn pictures_of_results_are_those_of_the_scene() {
+    let place = Place::new();
+    let settings = ["output.interface=[\"vtk\"]", "output.fields=true", "output.times=[0, 0.2, 0.4]"];
+    for name in ["disc_diagonal", "sphere_diagonal"] {
+        place.run(name, name, &settings);
+        let file = scene(name).to_str().unwrap().to_owned();
+        // The middle state is the nearest one.
+        for (asked, time) in [("0", "0"), ("0.23", "0.2")] {
+            let of_scene =
+                place.vofkit(&["picture", &file, "--time", time, "--size", "300x260", "--out", "a.png"]);
+            assert_eq!((of_scene.code, of_scene.err.as_str()), (Some(0), ""));
+            let of_results =
+                place.vofkit(&["picture", name, "--time", asked, "--size", "300x260", "--out", "b.png"]);
+            assert_eq!((of_results.code, of_results.err.as_str()), (Some(0), ""));
+            let [a, b] = ["a.png", "b.png"].map(|file| fs::read(place.path(file)).unwrap());
+            assert!(a == b, "{name}, {time}: {} and {} bytes", a.len(), b.len());
+        }
+        let last = place.vofkit(&["picture", name]);
+        assert!(last.out.starts_with(&format!("{name}.png: {name}, t = ")), "{}", last.out);
+    }
+    let still = scene("static_two_discs");
+    let done = place.vofkit(&["picture", still.to_str().unwrap(), "--fragments", "--normals", "--no-mesh"]);
+    assert_eq!((done.code, done.err.as_str()), (Some(0), ""));
+    assert_eq!(done.out, "static_two_discs.png: static_two_discs, t = 0\n");
+}
+
+#[test]
+fn pictures_that_cannot_be_drawn_are_explained() {
+    let place = Place::new();
+    place.run("disc_diagonal", "o", &["output.interface=[\"vtk\"]", "output.fields=false"]);
+    fs::create_dir(place.path("empty")).unwrap();
+    let before = place.listed(".");
+    let (still, fields) = (scene("static_disc"), scene("fields/square_wave_donor"));
+    let [still, fields] = [&still, &fields].map(|path| path.to_str().unwrap());
+    let cases: &[(&[&str], i32, &[&str])] = &[
+        (&["absent"], 1, &["absent"]),
+        (&["empty"], 1, &["no time series (.pvd)", "fields = true"]),
+        (&["o"], 1, &["no fields at time", "fields = true"]),
+        (&["o", "--time", "77"], 1, &["nothing of time 77", "go from 0 to"]),
+        (&["o", "--set", "a=1"], 1, &["--set", "holds results"]),
+        (&[&small(), "--time", "77"], 1, &["no time 77", "from 0 to"]),
+        (&[&small(), "--time", "-1"], 1, &["no time -1"]),
+        (&[&small(), "--time", "inf"], 2, &["give a number"]),
+        (&[&small(), "--size", "800"], 2, &["such as 800x600"]),
+        (&[&small(), "--size", "99x100"], 2, &["from 100 to 4096"]),
+        (&[&small(), "--view", "above"], 2, &["front, right", "AZIMUTH,ELEVATION"]),
+        (&[&small(), "--view", "top"], 1, &["leave out the view"]),
+        (&[&small(), "--slice", "z"], 2, &["AXIS=LAYER"]),
+        (&[&small(), "--out", "a.svg"], 1, &["a.svg", ".png"]),
+        (&[&small(), "--out", "no/such/a.png"], 1, &["create the folder"]),
+        (&[still, "--time", "1"], 1, &["nothing moves"]),
+        (&[fields], 1, &["no materials", "picture = true"]),
+    ];
+    for (arguments, code, answer) in cases {
+        let done = place.vofkit(&[&["picture"], *arguments].concat());
+        assert_eq!((done.code, done.out.as_str()), (Some(*code), ""), "{arguments:?}");
+        for words in *answer {
+            assert!(done.err.contains(words), "{arguments:?}: no {words:?} in {}", done.err);
+        }
+    }
+    assert_eq!(place.listed("."), before);
+}

@@ -1,10 +1,10 @@
-//! The command line: `vofkit run`, `vofkit reconstruct`, `vofkit check`, `vofkit new`, `vofkit kernel`, `vofkit study`,
-//! `vofkit stress`.
+//! The command line: `vofkit run`, `vofkit reconstruct`, `vofkit check`, `vofkit new`, `vofkit picture`, `vofkit kernel`,
+//! `vofkit study`, `vofkit stress`.
 //!
 //! - this file: the arguments and what they start;
 //! - [`check`]: what a scene will do, without doing it; [`template`]: scenes to start from;
-//! - [`kernel`]: tables of cells and planes through the kernel; `study`: combinations of settings; [`stress`]:
-//!   extreme cases;
+//! - `picture`: results and scenes as PNG; [`kernel`]: tables of cells and planes through the kernel; `study`: combinations of settings;
+//!   [`stress`]: extreme cases;
 //! - `interrupt`: Ctrl-C; [`progress`]: how far a run is; [`terminal`]: text and errors on the terminal.
 //!
 //! Exit codes: 0 done, 1 failed, 2 wrong arguments.
@@ -12,6 +12,8 @@
 pub mod check;
 mod interrupt;
 pub mod kernel;
+#[cfg(feature = "plot")]
+pub mod picture;
 pub mod progress;
 pub mod stress;
 #[cfg(feature = "plot")]
@@ -79,6 +81,13 @@ pub enum Command {
     New {
         /// Which one.
         kind: Kind,
+    },
+    /// Draw a scene, or the results of a run, as PNG. No display is needed.
+    #[cfg(feature = "plot")]
+    Picture {
+        /// Of what, to where and how.
+        #[command(flatten)]
+        work: picture::Work,
     },
     /// Run a scene for every combination of lists of settings and report error against time.
     #[cfg(feature = "plot")]
@@ -203,6 +212,8 @@ pub fn execute(command: Command) -> Result<(), Failure> {
             }
         },
         Command::New { kind } => terminal::print(&template::text(kind)),
+        #[cfg(feature = "plot")]
+        Command::Picture { work } => picture::draw(work),
         #[cfg(feature = "plot")]
         Command::Study { work } => study::run(work),
         Command::Stress { work } => stress::run(work),

@@ -3,7 +3,8 @@
 //! - `file`: every file is complete or absent; all exporters write through [`write_file`];
 //! - `vtk` (feature `vtk`): meshes with fields (`.vts`), interfaces (`.vtp`) and time series (`.pvd`);
 //! - `obj` (feature `obj`): interfaces as triangulated Wavefront OBJ, by way of `triangulation`;
-//! - `picture` and `plot` (feature `plot`): two-dimensional pictures, curves and maps as SVG.
+//! - `picture` (feature `plot`): a [`Snapshot`] of mesh, fractions and interfaces as SVG or PNG; `plot`: curves and maps as SVG;
+//!   `palette`: the colours of all of them.
 //!
 //! Values that are not finite are written as they are; names may hold anything.
 
@@ -14,15 +15,19 @@ mod file;
 #[cfg(feature = "obj")]
 pub mod obj;
 #[cfg(feature = "plot")]
+pub(crate) mod palette;
+#[cfg(feature = "plot")]
 pub mod picture;
 #[cfg(feature = "plot")]
 pub mod plot;
-#[cfg(feature = "obj")]
+mod snapshot;
+#[cfg(any(feature = "obj", feature = "plot"))]
 mod triangulation;
 #[cfg(feature = "vtk")]
 pub mod vtk;
 
 pub use file::write_file;
+pub use snapshot::Snapshot;
 
 /// Why a file was not written. Nothing of it is left on disk, and an older file of that name is untouched.
 #[derive(Debug, thiserror::Error)]

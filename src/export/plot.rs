@@ -8,6 +8,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use vofkit_geometry::{Cell, Vector};
 
+use super::palette::{GREY, LINES, rgb};
 use super::{ExportError, check_length, printable, write_file};
 use crate::mesh::Mesh;
 use crate::metrics::extremes;
@@ -17,18 +18,6 @@ const SIZE: (u32, u32) = (800, 600);
 const MARGIN: u32 = 16;
 const LABELS: u32 = 48;
 const TEXT: (&str, u32) = ("sans-serif", 20);
-
-/// Colours of curves (Okabe & Ito 2008).
-const CURVES: [RGBColor; 8] = [
-    RGBColor(150, 150, 150),
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(230, 159, 0),
-    RGBColor(0, 0, 0),
-];
 
 /// From the least to the largest value (viridis, van der Walt & Smith 2015).
 const RAMP: [[u8; 3]; 5] = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
@@ -67,8 +56,8 @@ pub fn write_curves(
             .set_all_label_area_size(LABELS)
             .build_cartesian_2d(left..right, low..high)?;
         chart.configure_mesh().disable_mesh().x_desc(x_name).draw()?;
-        for (curve, colour) in curves.iter().zip(CURVES.iter().cycle()) {
-            let colour = *colour;
+        let colours = [GREY].iter().chain(&LINES).map(|&colour| rgb(colour));
+        for (curve, colour) in curves.iter().zip(colours.cycle()) {
             let points = x.iter().copied().zip(curve.values.iter().copied()).filter(|(_, y)| y.is_finite());
             chart
                 .draw_series(LineSeries::new(points, colour.stroke_width(2)))?
@@ -203,13 +192,21 @@ fn draw<E: Display>(
     path: &Path,
     work: impl FnOnce(&DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), E>,
 ) -> Result<(), ExportError> {
+    let text = drawn(SIZE, work).map_err(|reason| ExportError::data(path, reason))?;
+    write_file(path, |writer| writer.write_all(text.as_bytes()))
+}
+
+/// The text of an SVG of this many pixels that is drawn on a white sheet.
+pub(crate) fn drawn<E: Display>(
+    size: (u32, u32),
+    work: impl FnOnce(&DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), E>,
+) -> Result<String, String> {
     let mut text = String::new();
     {
-        let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-        let failed = |error: &dyn Display| ExportError::data(path, error.to_string());
-        root.fill(&WHITE).map_err(|error| failed(&error))?;
-        work(&root).map_err(|error| failed(&error))?;
-        root.present().map_err(|error| failed(&error))?;
+        let root = SVGBackend::with_string(&mut text, size).into_drawing_area();
+        root.fill(&WHITE).map_err(|error| error.to_string())?;
+        work(&root).map_err(|error| error.to_string())?;
+        root.present().map_err(|error| error.to_string())?;
     }
-    write_file(path, |writer| writer.write_all(text.as_bytes()))
+    Ok(text)
 }

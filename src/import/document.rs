@@ -1,4 +1,4 @@
-//! The parts of a `.vts` file: elements of XML, with numbers in them or appended behind them.
+//! The parts of a VTK XML file: elements of XML, with numbers in them or appended behind them.
 
 use std::path::{Path, PathBuf};
 
@@ -11,22 +11,26 @@ use super::error::ImportError;
 /// What starts the appended numbers.
 const APPENDED: &[u8] = b"<AppendedData";
 
-const REWRITE: &str =
-    "write the file anew with its own program, as a VTK structured grid (.vts) in one piece";
+const REWRITE: &str = "write the file anew with its own program, in one piece";
+
+/// The arrays that a reader asks for: whether it needs one of a name in a section such as `CellData`.
+pub(super) type Wanted<'a> = &'a dyn Fn(&str, &str) -> bool;
 
 /// What precedes appended numbers is XML; the parts of it that matter.
 pub(super) struct Document<'a> {
     path: PathBuf,
     coding: Coding,
     appended: Option<Stream<'a>>,
-    extent: [i64; 6],
-    points: Option<ArrayText>,
-    cell_data: Vec<ArrayText>,
+    /// Of the piece, and where it has none the extent of the whole.
+    attributes: Vec<(String, String)>,
+    arrays: Vec<ArrayText>,
 }
 
 /// An element `DataArray`.
 #[derive(Clone, Debug)]
-struct ArrayText {
+pub(super) struct ArrayText {
+    /// The element that it is in, such as `Points` or `CellData`.
+    section: String,
     name: String,
     kind: String,
     components: String,
@@ -36,22 +40,28 @@ struct ArrayText {
 }
 
 impl ArrayText {
-    fn new(node: Node<'_, '_>, wanted: bool) -> Self {
+    fn new(section: &str, node: Node<'_, '_>) -> Self {
         let attribute = |name: &str| node.attribute(name).unwrap_or_default().trim().to_owned();
         Self {
+            section: section.to_owned(),
             name: attribute("Name"),
             kind: attribute("type"),
             components: attribute("NumberOfComponents"),
             format: attribute("format"),
             offset: attribute("offset"),
-            text: if wanted { node.text().unwrap_or_default().to_owned() } else { String::new() },
+            text: node.text().unwrap_or_default().to_owned(),
         }
     }
 }
 
 impl<'a> Document<'a> {
-    /// Takes a file apart.
-    pub(super) fn parse(path: &Path, bytes: &'a [u8]) -> Result<Self, ImportError> {
+    /// Takes a file of a kind apart; arrays that are not wanted are left out.
+    pub(super) fn parse(
+        path: &Path,
+        bytes: &'a [u8],
+        kind: &str,
+        wanted: Wanted<'_>,
+    ) -> Result<Self, ImportError> {
         let wrong = |problem: String| ImportError::Grid { path: path.to_owned(), problem, help: REWRITE };
         let (header, behind) =
             split(bytes).ok_or_else(|| wrong("its appended data have no start".to_owned()))?;
@@ -68,54 +78,61 @@ impl<'a> Document<'a> {
         let xml = roxmltree::Document::parse(text)
             .map_err(|error| wrong(format!("it is no VTK XML file: {error}")))?;
         let root = xml.root_element();
-        let kind = root.attribute("type").unwrap_or("nothing");
-        if !root.has_tag_name("VTKFile") || kind != "StructuredGrid" {
-            return Err(wrong(format!("it holds {kind}, not a StructuredGrid")));
+        let found = root.attribute("type").unwrap_or("nothing");
+        if !root.has_tag_name("VTKFile") || found != kind {
+            return Err(wrong(format!("it holds {found}, not a {kind}")));
         }
         let coding = coding(root).map_err(wrong)?;
-        let grid = child(root, "StructuredGrid");
-        let pieces: Vec<_> = grid
-            .map(|grid| grid.children().filter(|child| child.has_tag_name("Piece")).collect())
+        let whole = child(root, kind);
+        let pieces: Vec<_> = whole
+            .map(|whole| whole.children().filter(|child| child.has_tag_name("Piece")).collect())
             .unwrap_or_default();
         let [piece] = pieces[..] else {
             return Err(wrong(format!("it has {} pieces, not one", pieces.len())));
         };
-        let extent = piece.attribute("Extent").or(grid.and_then(|grid| grid.attribute("WholeExtent")));
-        let extent = extent.unwrap_or_default();
-        let numbers: Vec<i64> = extent.split_ascii_whitespace().map_while(|word| word.parse().ok()).collect();
-        let extent = <[i64; 6]>::try_from(numbers)
-            .map_err(|_| wrong(format!("its extent \"{extent}\" is not six whole numbers")))?;
-        let arrays = |node: Node<'_, '_>, wanted: &dyn Fn(&str) -> bool| -> Vec<ArrayText> {
-            let arrays = node.children().filter(|child| child.has_tag_name("DataArray"));
-            arrays
-                .map(|array| ArrayText::new(array, wanted(array.attribute("Name").unwrap_or_default())))
-                .collect()
-        };
+        let mut attributes: Vec<(String, String)> =
+            piece.attributes().map(|one| (one.name().to_owned(), one.value().to_owned())).collect();
+        let extent = whole.and_then(|whole| whole.attribute("WholeExtent"));
+        attributes.extend(extent.map(|extent| ("Extent".to_owned(), extent.to_owned())));
+        let mut arrays = Vec::new();
+        for section in piece.children().filter(Node::is_element) {
+            let name = section.tag_name().name();
+            let nodes = section.children().filter(|child| child.has_tag_name("DataArray"));
+            let is_wanted = |node: &Node<'_, '_>| wanted(name, node.attribute("Name").unwrap_or_default());
+            arrays.extend(nodes.filter(is_wanted).map(|node| ArrayText::new(name, node)));
+        }
         let appended =
             behind.map(|bytes| match child(root, "AppendedData").and_then(|d| d.attribute("encoding")) {
                 Some("base64") => Stream::Base64(bytes),
                 _ => Stream::Raw(bytes),
             });
-        Ok(Self {
-            path: path.to_owned(),
-            coding,
-            appended,
-            extent,
-            points: child(piece, "Points").and_then(|points| arrays(points, &|_| true).pop()),
-            cell_data: child(piece, "CellData")
-                .map(|data| arrays(data, &|name| name.starts_with(super::ALPHA)))
-                .unwrap_or_default(),
-        })
+        Ok(Self { path: path.to_owned(), coding, appended, attributes, arrays })
     }
 
-    fn wrong(&self, problem: String) -> ImportError {
+    /// An error of the whole file.
+    pub(super) fn wrong(&self, problem: String) -> ImportError {
         ImportError::Grid { path: self.path.clone(), problem, help: REWRITE }
     }
 
-    /// Nodes along each axis.
+    fn attribute(&self, name: &str) -> &str {
+        self.attributes.iter().find(|(key, _)| key == name).map_or("", |(_, value)| value)
+    }
+
+    /// A number of things that the piece says it has.
+    pub(super) fn count(&self, attribute: &str) -> Result<usize, ImportError> {
+        let text = self.attribute(attribute);
+        let count = if text.is_empty() { Ok(0) } else { text.trim().parse() };
+        count.map_err(|_| self.wrong(format!("its {attribute} is \"{text}\", which counts nothing")))
+    }
+
+    /// Nodes along each axis of a structured grid.
     pub(super) fn node_counts(&self) -> Result<[usize; 3], ImportError> {
+        let text = self.attribute("Extent");
+        let numbers: Vec<i64> = text.split_ascii_whitespace().map_while(|word| word.parse().ok()).collect();
+        let extent = <[i64; 6]>::try_from(numbers)
+            .map_err(|_| self.wrong(format!("its extent \"{text}\" is not six whole numbers")))?;
         let count = |axis: usize| {
-            let [first, last] = [self.extent[2 * axis], self.extent[2 * axis + 1]];
+            let [first, last] = [extent[2 * axis], extent[2 * axis + 1]];
             last.checked_sub(first)?
                 .checked_add(1)
                 .and_then(|count| usize::try_from(count).ok())
@@ -125,18 +142,48 @@ impl<'a> Document<'a> {
         let total = counts.iter().try_fold(1_usize, |total, &count| total.checked_mul(count?));
         match (counts, total) {
             ([Some(x), Some(y), Some(z)], Some(_)) => Ok([x, y, z]),
-            _ => Err(self.wrong(format!("its extent {:?} counts no nodes", self.extent))),
+            _ => Err(self.wrong(format!("its extent {extent:?} counts no nodes"))),
         }
     }
 
-    /// The nodes.
-    pub(super) fn points(&self, counts: [usize; 3]) -> Result<Vec<Vector<3>>, ImportError> {
-        let Some(array) = &self.points else { return Err(self.wrong("it has no points".to_owned())) };
-        let count = counts.iter().product::<usize>();
+    /// The arrays of a section in the order of the file.
+    pub(super) fn section(&self, section: &str) -> impl Iterator<Item = &ArrayText> {
+        self.arrays.iter().filter(move |array| array.section == section)
+    }
+
+    /// An array of a section; none if there is no such one.
+    ///
+    /// # Errors
+    /// Two of them.
+    pub(super) fn array(&self, section: &str, name: &str) -> Result<Option<&ArrayText>, ImportError> {
+        let mut named = self.section(section).filter(|array| array.name == name);
+        let first = named.next();
+        match named.next() {
+            Some(array) => Err(self.twice(array)),
+            None => Ok(first),
+        }
+    }
+
+    /// So many points.
+    pub(super) fn points(&self, count: usize) -> Result<Vec<Vector<3>>, ImportError> {
+        let Some(array) = self.section("Points").last() else {
+            return Err(self.wrong("it has no points".to_owned()));
+        };
+        self.vectors(array, count, "node", "give every node finite coordinates")
+    }
+
+    /// So many vectors with three finite components, one for each place of a kind.
+    pub(super) fn vectors(
+        &self,
+        array: &ArrayText,
+        count: usize,
+        place: &str,
+        help: &'static str,
+    ) -> Result<Vec<Vector<3>>, ImportError> {
         let numbers = self.numbers(array, 3, count)?;
         if let Some(at) = numbers.iter().position(|number| !number.is_finite()) {
-            let problem = format!("has {:?} in node {}, component {}", numbers[at], at / 3, at % 3);
-            return Err(self.array_error(array, problem, "give every node finite coordinates"));
+            let problem = format!("has {:?} in {place} {}, component {}", numbers[at], at / 3, at % 3);
+            return Err(self.array_error(array, problem, help));
         }
         Ok(numbers.chunks_exact(3).map(|x| Vector::<3>::new(x[0], x[1], x[2])).collect())
     }
@@ -148,27 +195,35 @@ impl<'a> Document<'a> {
         counts: [usize; 3],
     ) -> Result<Vec<(String, Vec<f64>)>, ImportError> {
         let cells = counts.iter().map(|&count| (count - 1).max(1)).product::<usize>();
-        let named = self.cell_data.iter().filter_map(|array| Some((array.name.strip_prefix(start)?, array)));
+        let named =
+            self.section("CellData").filter_map(|array| Some((array.name.strip_prefix(start)?, array)));
         let mut found: Vec<(String, Vec<f64>)> = Vec::new();
         for (name, array) in named {
             if found.iter().any(|(other, _)| other == name) {
-                return Err(self.array_error(
-                    array,
-                    "is there twice".to_owned(),
-                    "remove or rename one of them",
-                ));
+                return Err(self.twice(array));
             }
             found.push((name.to_owned(), self.numbers(array, 1, cells)?));
         }
         Ok(found)
     }
 
-    fn array_error(&self, array: &ArrayText, problem: String, help: &'static str) -> ImportError {
+    fn twice(&self, array: &ArrayText) -> ImportError {
+        self.array_error(array, "is there twice".to_owned(), "remove or rename one of them")
+    }
+
+    /// An error of an array.
+    pub(super) fn array_error(&self, array: &ArrayText, problem: String, help: &'static str) -> ImportError {
         let array = if array.name.is_empty() { "Points".to_owned() } else { array.name.clone() };
         ImportError::Array { path: self.path.clone(), array, problem, help }
     }
 
-    fn numbers(&self, array: &ArrayText, components: usize, count: usize) -> Result<Vec<f64>, ImportError> {
+    /// So many times so many components.
+    pub(super) fn numbers(
+        &self,
+        array: &ArrayText,
+        components: usize,
+        count: usize,
+    ) -> Result<Vec<f64>, ImportError> {
         let wrong = |problem: String| self.array_error(array, problem, REWRITE);
         let found = if array.components.is_empty() { "1" } else { &array.components };
         if found.parse() != Ok(components) {

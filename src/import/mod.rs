@@ -1,7 +1,8 @@
-//! Meshes and volume fractions from someone else's VTK structured grids (`.vts`).
+//! Meshes and volume fractions from someone else's VTK structured grids (`.vts`), and what `vofkit run` wrote.
 //!
 //! - this file: a [`StructuredGrid`] as a file gives it, and as a mesh takes it;
-//! - `document`: the parts of the file; `array`: its numbers, from every encoding that VTK writes but LZMA;
+//! - `poly_data`: interfaces (`.vtp`); `series`: which files belong to which time (`.pvd`);
+//! - `document`: the parts of a file; `array`: its numbers, from every encoding that VTK writes but LZMA;
 //! - [`error`]: what can be wrong, with file, array and cell.
 //!
 //! Only nodes and fractions (cell data `alpha.<material>`) are decoded; everything else in the file costs nothing. The numbers come
@@ -10,6 +11,8 @@
 mod array;
 mod document;
 pub mod error;
+mod poly_data;
+mod series;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -20,6 +23,8 @@ use crate::mesh::{Grid, axis_name};
 use crate::tolerance::{FRACTION_SUM, PLANAR};
 use document::Document;
 pub use error::ImportError;
+pub use poly_data::read_facets;
+pub use series::{TimedFile, read_series};
 
 /// What the names of fractions start with.
 const ALPHA: &str = "alpha.";
@@ -51,9 +56,12 @@ impl StructuredGrid {
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ImportError> {
         let path = path.as_ref();
         let bytes = fs::read(path).map_err(|error| ImportError::Read { path: path.to_owned(), error })?;
-        let document = Document::parse(path, &bytes)?;
+        let wanted = |section: &str, name: &str| {
+            section == "Points" || section == "CellData" && name.starts_with(ALPHA)
+        };
+        let document = Document::parse(path, &bytes, "StructuredGrid", &wanted)?;
         let counts = document.node_counts()?;
-        let nodes = document.points(counts)?;
+        let nodes = document.points(counts.iter().product())?;
         let fractions = document.cell_arrays(ALPHA, counts)?;
         let cells: Vec<usize> = counts.iter().filter(|&&count| count > 1).map(|count| count - 1).collect();
         let mut grid = Self { path: path.to_owned(), cells, nodes, fractions, reversed: false, divided: 0 };

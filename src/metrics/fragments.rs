@@ -15,33 +15,49 @@ pub struct Fragments {
     pub stray_volume: f64,
 }
 
-/// Counts the components of cells with more than [`FRAGMENT_FRACTION`] of the material, joined by faces, edges or corners.
+/// The connected pieces of a material: components of cells with more than [`FRAGMENT_FRACTION`] of it, joined by faces, edges or
+/// corners.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pieces {
+    /// The piece that each cell belongs to, if any.
+    pub of_cell: Vec<Option<usize>>,
+    /// The volume of the material in each piece.
+    pub volumes: Vec<f64>,
+}
+
+/// Finds the pieces of a material.
+pub fn pieces<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, fractions: &[f64]) -> Pieces {
+    let mut of_cell = vec![None; fractions.len()];
+    let mut volumes = Vec::new();
+    let mut stack = Vec::new();
+    for start in 0..fractions.len() {
+        let mut volume = 0.0;
+        stack.push(start);
+        while let Some(cell) = stack.pop() {
+            if of_cell[cell].is_some() || !(fractions[cell] > FRAGMENT_FRACTION) {
+                continue;
+            }
+            of_cell[cell] = Some(volumes.len());
+            volume += fractions[cell] * mesh.volumes()[cell];
+            stack.extend(mesh.grid().around(cell, 1));
+        }
+        if of_cell[start] == Some(volumes.len()) {
+            volumes.push(volume);
+        }
+    }
+    Pieces { of_cell, volumes }
+}
+
+/// Counts the [`pieces`] of a material.
 pub fn fragments<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, fractions: &[f64]) -> Fragments {
     let total = material_volume(mesh, fractions);
     if !(total > 0.0) {
         return Fragments::default();
     }
-    let mut unseen: Vec<bool> = fractions.iter().map(|&f| f > FRAGMENT_FRACTION).collect();
-    let mut stack = Vec::new();
-    let (mut count, mut largest) = (0, 0.0_f64);
-    for start in 0..fractions.len() {
-        if !std::mem::take(&mut unseen[start]) {
-            continue;
-        }
-        let mut volume = 0.0;
-        stack.push(start);
-        while let Some(cell) = stack.pop() {
-            volume += fractions[cell] * mesh.volumes()[cell];
-            for next in mesh.grid().around(cell, 1) {
-                if std::mem::take(&mut unseen[next]) {
-                    stack.push(next);
-                }
-            }
-        }
-        if volume > FRAGMENT_VOLUME * total {
-            count += 1;
-        }
-        largest = largest.max(volume);
+    let Pieces { volumes, .. } = pieces(mesh, fractions);
+    let largest = volumes.iter().fold(0.0_f64, |largest, &volume| largest.max(volume));
+    Fragments {
+        count: volumes.iter().filter(|&&volume| volume > FRAGMENT_VOLUME * total).count(),
+        stray_volume: (1.0 - largest / total).max(0.0),
     }
-    Fragments { count, stray_volume: (1.0 - largest / total).max(0.0) }
 }

@@ -7,7 +7,7 @@ mod hausdorff;
 mod planes;
 
 pub use field::{absolute_integral, extremes, integral, total_variation};
-pub use fragments::{Fragments, fragments};
+pub use fragments::{Fragments, Pieces, fragments, pieces};
 pub use gap::facet_gap_mean;
 pub use hausdorff::hausdorff_mean;
 pub use planes::plane_errors;

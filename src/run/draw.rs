@@ -4,24 +4,8 @@ use std::path::Path;
 
 use vofkit_geometry::{Cell, Hexahedron, Quad};
 
-use crate::export::ExportError;
-use crate::facet::Facet;
+use crate::export::{ExportError, Snapshot};
 use crate::mesh::Mesh;
-
-/// The state of a run, for a picture.
-#[derive(Clone, Copy, Debug)]
-pub struct View<'a, C, const D: usize> {
-    /// The mesh.
-    pub mesh: &'a Mesh<C, D>,
-    /// The names of the materials.
-    pub names: &'a [String],
-    /// Their fractions.
-    pub fractions: &'a [Vec<f64>],
-    /// Their interfaces.
-    pub facets: &'a [Facet<D>],
-    /// What stands above the picture.
-    pub title: &'a str,
-}
 
 /// Where the values of a field are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +39,7 @@ pub trait Draw<const D: usize>: Cell<D> {
     ///
     /// # Errors
     /// Whatever the file system reports.
-    fn draw(path: &Path, view: &View<'_, Self, D>) -> Result<bool, ExportError>;
+    fn draw(path: &Path, snapshot: &Snapshot<'_, Self, D>) -> Result<bool, ExportError>;
 
     /// Writes a picture of a field: curves along a single row of cells, else a map with lines of equal value. Returns false where there
     /// is none.
@@ -67,13 +51,12 @@ pub trait Draw<const D: usize>: Cell<D> {
 
 impl Draw<2> for Quad {
     #[cfg(feature = "plot")]
-    fn draw(path: &Path, view: &View<'_, Self, 2>) -> Result<bool, ExportError> {
-        let View { mesh, names, fractions, facets, title } = *view;
-        crate::export::picture::write_picture(path, mesh, names, fractions, facets, title).map(|()| true)
+    fn draw(path: &Path, snapshot: &Snapshot<'_, Self, 2>) -> Result<bool, ExportError> {
+        crate::export::picture::write_svg(path, snapshot).map(|()| true)
     }
 
     #[cfg(not(feature = "plot"))]
-    fn draw(_: &Path, _: &View<'_, Self, 2>) -> Result<bool, ExportError> {
+    fn draw(_: &Path, _: &Snapshot<'_, Self, 2>) -> Result<bool, ExportError> {
         Ok(false)
     }
 
@@ -99,7 +82,7 @@ impl Draw<2> for Quad {
 }
 
 impl Draw<3> for Hexahedron {
-    fn draw(_: &Path, _: &View<'_, Self, 3>) -> Result<bool, ExportError> {
+    fn draw(_: &Path, _: &Snapshot<'_, Self, 3>) -> Result<bool, ExportError> {
         Ok(false)
     }
 

@@ -7,6 +7,7 @@ use miette::{Diagnostic, LabeledSpan, SourceCode};
 
 use crate::advection::StepError;
 use crate::export::ExportError;
+use crate::import::ImportError;
 use crate::interface::ReconstructionError;
 use crate::scene::SceneError;
 use crate::volume_associated::TransportError;
@@ -47,6 +48,9 @@ pub enum RunError {
         /// The output folder with the checkpoint.
         folder: PathBuf,
     },
+    /// A file of a run that cannot be read back.
+    #[error(transparent)]
+    Import(#[from] ImportError),
     /// A file was not written.
     #[error(transparent)]
     Export(#[from] ExportError),
@@ -87,6 +91,7 @@ impl Diagnostic for RunError {
             Self::Scene(error) => error.help(),
             Self::Folder { help, .. } => Some(Box::new(help)),
             Self::Checkpoint { help, .. } => Some(Box::new(help)),
+            Self::Import(error) => Some(Box::new(error.help())),
             Self::Step { courant, error: StepError::Overdrawn { .. }, .. } => Some(Box::new(format!(
                 "lower advection.courant, now {courant:.4}, or set advection.substeps = \"auto\""
             ))),

@@ -144,7 +144,7 @@ fn names_states(path: &Path) -> bool {
     read.is_ok() && first.is_some_and(|(name, _)| is_state(name))
 }
 
-fn refused(path: &Path, problem: impl Into<String>, help: impl Into<String>) -> RunError {
+pub(super) fn refused(path: &Path, problem: impl Into<String>, help: impl Into<String>) -> RunError {
     RunError::Folder { path: path.to_owned(), problem: problem.into(), help: help.into() }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! - this file: runs; [`still`]: the interface as it stands, of a scene of which nothing moves;
 //! - [`prepare`]: mesh, fractions and transport, with the last errors of the scene; `memory`: whether they fit;
-//! - [`plan`]: the time steps;
+//! - [`plan`]: the time steps; [`moment`]: the state at one time, with nothing written; [`results`]: read back from what was written;
 //! - `folder`, `history`, `table`, `output`, `series`, `planes`: what is written; [`draw`]: pictures, of the meshes that have them;
 //! - `checkpoint`: the state of a run, to go on from;
 //! - `fields`: the quantities that belong to the mesh; `quantities`: those that belong to the materials;
@@ -17,6 +17,7 @@ mod fields;
 mod folder;
 mod history;
 mod memory;
+pub mod moment;
 mod notes;
 pub mod output;
 pub mod plan;
@@ -24,6 +25,7 @@ mod planes;
 pub mod prepare;
 pub mod progress;
 mod quantities;
+pub mod results;
 #[cfg(feature = "vtk")]
 mod series;
 pub(crate) mod shape_errors;

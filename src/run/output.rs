@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::draw::{Draw, View};
+use super::draw::Draw;
 use super::fields::{FIELD_TABLE, Fields, picture_files};
 use super::folder::SUMMARY;
 use super::history::HISTORY;
@@ -13,9 +13,9 @@ use super::planes::CellPlanes;
 use super::quantities::Quantities;
 #[cfg(feature = "vtk")]
 use super::series::Series;
-use crate::export::ExportError;
 #[cfg(feature = "vtk")]
 use crate::export::vtk::Collection;
+use crate::export::{ExportError, Snapshot};
 use crate::facet::Facet;
 use crate::mesh::Mesh;
 use crate::profile::Profile;
@@ -261,13 +261,18 @@ impl<'a, const D: usize> Output<'a, D> {
         facets: &[Facet<D>],
     ) -> Result<(), ExportError> {
         let name = picture_file(when);
-        let title = format!("{}, t = {}", self.scene.name, rounded(time));
-        let view = View { mesh, names: &self.names, fractions, facets, title: &title };
-        if C::draw(&self.folder.join(&name), &view)? {
+        let title = title(&self.scene.name, time);
+        let snapshot = Snapshot { mesh, names: &self.names, fractions, facets, title: &title };
+        if C::draw(&self.folder.join(&name), &snapshot)? {
             self.files.push(name);
         }
         Ok(())
     }
+}
+
+/// What stands above a picture of a scene.
+pub(crate) fn title(scene: &str, time: f64) -> String {
+    format!("{scene}, t = {}", rounded(time))
 }
 
 /// A time with no more digits than people read.

@@ -7,6 +7,8 @@ use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
 
 use super::labels::{Labels, leader};
+use crate::export::palette::{GREY, LINES, rgb};
+use crate::export::plot::drawn;
 use crate::export::printable;
 
 /// Pixels: of the whole, of the part with the axes, of a line of the legend.
@@ -18,16 +20,8 @@ const LABELS: u32 = 60;
 const TEXT: (&str, u32) = ("sans-serif", 15);
 const SMALL: (&str, u32) = ("sans-serif", 12);
 
-/// Colours of series (Okabe & Ito 2008).
-const COLOURS: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(90, 90, 90),
-];
+/// Colours of series.
+const COLOURS: usize = LINES.len() + 1;
 
 /// How a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,7 +91,7 @@ impl Chart<'_> {
         let marks = || self.curves.iter().flat_map(|curve| &curve.marks).filter(fits);
         marks().next()?;
         let [left, right] = decades(marks().flat_map(|mark| mark.range.unwrap_or([mark.x; 2])));
-        drawn(|root| {
+        let drawing = drawn(SIZE, |root| {
             let (axes, legend) = root.split_horizontally(AXES);
             let mut builder = ChartBuilder::on(&axes);
             builder
@@ -114,7 +108,8 @@ impl Chart<'_> {
                 self.fill(&mut builder, across, 0.0..1.15 * high.max(f64::MIN_POSITIVE), 0.0, fits)?;
             }
             self.legend(&legend)
-        })
+        });
+        drawing.ok()
     }
 
     fn fill<'b, X: AsRangedCoord<Value = f64>, Y: AsRangedCoord<Value = f64>>(
@@ -217,7 +212,7 @@ struct Symbol {
 impl Symbol {
     fn element(&self) -> Polygon<(i32, i32)> {
         let colour = colour(self.place, self.style);
-        let outline: &[(i32, i32)] = match (self.style, self.place / COLOURS.len() % 3) {
+        let outline: &[(i32, i32)] = match (self.style, self.place / COLOURS % 3) {
             (Style::Marks, _) => &[(0, -6), (6, 0), (0, 6), (-6, 0)],
             (_, 0) => &[(-4, -1), (-2, -4), (2, -4), (4, -1), (4, 1), (2, 4), (-2, 4), (-4, 1)],
             (_, 1) => &[(-4, -4), (4, -4), (4, 4), (-4, 4)],
@@ -228,7 +223,10 @@ impl Symbol {
 }
 
 fn colour(place: usize, style: Style) -> RGBColor {
-    if matches!(style, Style::Marks | Style::Dashed) { BLACK } else { COLOURS[place % COLOURS.len()] }
+    match style {
+        Style::Marks | Style::Dashed => BLACK,
+        Style::Points | Style::Joined => rgb(*LINES.get(place % COLOURS).unwrap_or(&GREY)),
+    }
 }
 
 /// Parts of a whole, one bar each.
@@ -249,7 +247,7 @@ impl Bars<'_> {
             return None;
         }
         let height = 60 + 22 * bars.len() as i32;
-        drawn_in((SIZE.0, height as u32), |root| {
+        let drawing = drawn((SIZE.0, height as u32), |root| {
             for (k, part) in self.parts.iter().enumerate() {
                 let x = 330 + (720 * k / self.parts.len()) as i32;
                 let symbol = EmptyElement::at((x, 18)) + Symbol { place: k, style: Style::Points }.element();
@@ -271,34 +269,19 @@ impl Bars<'_> {
                     at += part;
                 }
             }
-            Ok(())
-        })
+            Ok::<(), Failed>(())
+        });
+        drawing.ok()
     }
 }
 
 /// Drawing failed; there is no picture then.
+#[derive(Debug, thiserror::Error)]
+#[error("the drawing failed")]
 struct Failed;
 
 fn failed(_: impl Display) -> Failed {
     Failed
-}
-
-fn drawn(work: impl FnOnce(&DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), Failed>) -> Option<String> {
-    drawn_in(SIZE, work)
-}
-
-fn drawn_in(
-    size: (u32, u32),
-    work: impl FnOnce(&DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), Failed>,
-) -> Option<String> {
-    let mut text = String::new();
-    {
-        let root = SVGBackend::with_string(&mut text, size).into_drawing_area();
-        root.fill(&WHITE).ok()?;
-        work(&root).ok()?;
-        root.present().ok()?;
-    }
-    Some(text)
 }
 
 /// A range that holds the values with room around them, at least a decade wide.

@@ -4,6 +4,7 @@
 #[path = "../cli_support/mod.rs"]
 mod cli_support;
 mod file;
+mod results;
 mod scenes;
 mod wrong;
 

@@ -1,0 +1,54 @@
+//! Which files belong to which time (`.pvd`).
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::error::ImportError;
+
+const REWRITE: &str = "write the file anew with its own program, as a ParaView collection (.pvd)";
+
+/// A file of a time series.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimedFile {
+    /// The time.
+    pub time: f64,
+    /// What the file holds, such as `fields` or `interface`; empty where the series does not say it.
+    pub group: String,
+    /// The file.
+    pub path: PathBuf,
+}
+
+/// Reads a time series: its files in the order of their times.
+///
+/// # Errors
+/// A file that cannot be read or is no collection, is empty, or has an entry without a file or a finite time.
+pub fn read_series(path: impl AsRef<Path>) -> Result<Vec<TimedFile>, ImportError> {
+    let path = path.as_ref();
+    let wrong = |problem: String| ImportError::Grid { path: path.to_owned(), problem, help: REWRITE };
+    let text =
+        fs::read_to_string(path).map_err(|error| ImportError::Read { path: path.to_owned(), error })?;
+    let xml = roxmltree::Document::parse(&text)
+        .map_err(|error| wrong(format!("it is no VTK XML file: {error}")))?;
+    let root = xml.root_element();
+    let kind = root.attribute("type").unwrap_or("nothing");
+    if !root.has_tag_name("VTKFile") || kind != "Collection" {
+        return Err(wrong(format!("it holds {kind}, not a Collection")));
+    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut files = Vec::new();
+    for (entry, node) in root.descendants().filter(|node| node.has_tag_name("DataSet")).enumerate() {
+        let text = node.attribute("timestep").unwrap_or_default();
+        let time = text.trim().parse().ok().filter(|time: &f64| time.is_finite());
+        let time =
+            time.ok_or_else(|| wrong(format!("entry {entry} has the time \"{text}\", which is no number")))?;
+        let file = node.attribute("file").filter(|file| !file.is_empty());
+        let file = file.ok_or_else(|| wrong(format!("entry {entry} names no file")))?;
+        let group = node.attribute("group").unwrap_or_default().to_owned();
+        files.push(TimedFile { time, group, path: folder.join(file) });
+    }
+    if files.is_empty() {
+        return Err(wrong("it names no files".to_owned()));
+    }
+    files.sort_by(|a, b| a.time.total_cmp(&b.time));
+    Ok(files)
+}
