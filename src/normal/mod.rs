@@ -42,8 +42,8 @@ pub enum NormalMethod {
     /// The best of the planes that differences of column heights give (Pilliod & Puckett 2004).
     Elvira,
     /// The plane through the middles of the sections of the neighbours, until it stays (Swartz 1989; Mosso et al. 1996). The default in
-    /// two and three dimensions: of all methods it leaves the smallest errors, on undistorted and on distorted meshes, and only
-    /// gradients are found in less time.
+    /// two and three dimensions: on nearly all meshes, undistorted or distorted, it leaves the smallest errors, and only gradients are
+    /// found in less time.
     #[default]
     Swartz,
     /// Along the logical direction in which the fractions change most (Noh & Woodward 1976).
