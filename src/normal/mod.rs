@@ -41,9 +41,9 @@ pub enum NormalMethod {
     Lvira,
     /// The best of the planes that differences of column heights give (Pilliod & Puckett 2004).
     Elvira,
-    /// The plane through the middles of the sections of the neighbours, until it stays (Swartz 1989; Mosso et al. 1996). The default in
-    /// two and three dimensions: on nearly all meshes, undistorted or distorted, it leaves the smallest errors, and only gradients are
-    /// found in less time.
+    /// The plane through the middles of the sections of the neighbours, until it stays (Swartz 1989; Mosso et al. 1996). The default:
+    /// on nearly all meshes, undistorted or distorted, it leaves the smallest errors; scenes in space, where it takes
+    /// far more time than gradients, have [`Self::Youngs`].
     #[default]
     Swartz,
     /// Along the logical direction in which the fractions change most (Noh & Woodward 1976).

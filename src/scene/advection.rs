@@ -40,14 +40,16 @@ impl ReconstructionSection {
         self.normal.as_ref().map_or("", |normal| normal.get_ref())
     }
 
-    /// Where the regions that leave a cell may overlap, what corrections leave behind would grow under Swartz' normals on distorted
+    /// In the plane Swartz' normals are worth their time; in space so many cells of a thin sheet take every round that Youngs' on a finer
+    /// mesh come to the same error sooner. Where the regions that leave a cell may overlap, what corrections leave behind would grow under Swartz' normals on distorted
     /// hexahedra, whose planes look along such remainders: Youngs' are the default there.
     pub(super) fn resolve(
         &mut self,
+        dimension: usize,
         regions_overlap: bool,
         context: Context<'_>,
     ) -> Result<Reconstruction, SceneError> {
-        let usual = if regions_overlap { "youngs" } else { "swartz" };
+        let usual = if dimension == 3 || regions_overlap { "youngs" } else { "swartz" };
         let normal = self.normal.get_or_insert_with(|| default(usual.to_owned()));
         let normals = [
             ("youngs", NormalMethod::Youngs),

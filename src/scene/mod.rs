@@ -385,7 +385,7 @@ impl<const D: usize> Still<D> {
             material.quantities = quantity::resolve_all(&section.quantity, flows_in, &mesh, context)?;
         }
         let regions_overlap = file.advection.get_ref().regions_overlap();
-        let reconstruction = file.reconstruction.resolve(regions_overlap, context)?;
+        let reconstruction = file.reconstruction.resolve(D, regions_overlap, context)?;
         let output = file.output.resolve(D, context)?;
         let name = file.name.as_ref().map(|name| name.get_ref().clone()).unwrap_or_default();
         Ok(Self { name, mesh, materials, fractions, boundary, reconstruction, output, file, source })
