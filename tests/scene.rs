@@ -33,6 +33,25 @@ fn plane(settings: &[&str]) -> vofkit::scene::Resolved<2> {
 }
 
 #[test]
+fn the_usual_normals_go_by_dimension_and_scheme() {
+    let of = |text: &str, settings: &[&str]| match parse(text, settings).unwrap() {
+        Scene::Plane(scene) => scene.normal_word().to_owned(),
+        Scene::Space(scene) => scene.normal_word().to_owned(),
+    };
+    assert_eq!(of(SCENE, &[]), "swartz");
+    for overlapping in ["advection.scheme=isotropic", "advection.sweep_axes=cartesian"] {
+        assert_eq!(of(SCENE, &[overlapping]), "youngs");
+        assert_eq!(of(SCENE, &[overlapping, "reconstruction.normal=lvira"]), "lvira");
+    }
+    let space = SCENE
+        .replace("[12, 12]", "[6, 6, 6]")
+        .replace("disc = { centre = [0.3, 0.4]", "sphere = { centre = [0.3, 0.4, 0.5]")
+        .replace("[1.0, 0.5]", "[1.0, 0.5, 0.0]");
+    assert_eq!(of(&space, &[]), "youngs");
+    assert_eq!(of(&space, &["reconstruction.normal=swartz"]), "swartz");
+}
+
+#[test]
 fn defaults_are_filled_in() {
     let scene = plane(&[]);
     assert_eq!(scene.mesh.lower.as_slice(), [0.0, 0.0]);

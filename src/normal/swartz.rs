@@ -83,13 +83,8 @@ pub(super) fn relaxed<C: Cell<D>, const D: usize>(
     for _ in 0..RELAXED_ROUNDS {
         // What stayed, among planes that stayed, stays.
         let moved = |i: usize| next[i].is_some() || links[i].iter().any(|(place, _)| next[place].is_some());
-        next =
-            parallel::map(
-                cells.len(),
-                |i| {
-                    if moved(i) { problem.turned(i, &links[i], &planes) } else { None }
-                },
-            );
+        let turned = |i: usize| moved(i).then(|| problem.turned(i, &links[i], &planes)).flatten();
+        next = parallel::map(cells.len(), turned);
         if next.iter().all(Option::is_none) {
             break;
         }
@@ -135,11 +130,8 @@ impl<C: Cell<D>, const D: usize> Problem<'_, C, D> {
         let grid = self.material.mesh.grid();
         let offset = grid.offset(index);
         let stencil = Stencil::new(grid, self.material.fractions, offset);
-        let (found, misfit) = lvira::with_misfit(
-            &Around { material: self.material, index, offset, cell: &cell, stencil },
-            self.position,
-        )
-        .ok()?;
+        let around = Around { material: self.material, index, offset, cell: &cell, stencil };
+        let (found, misfit) = lvira::with_misfit(&around, self.position).ok()?;
         (found.determined && misfit <= MISFIT_NONE).then_some(found)
     }
 

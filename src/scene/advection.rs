@@ -40,9 +40,9 @@ impl ReconstructionSection {
         self.normal.as_ref().map_or("", |normal| normal.get_ref())
     }
 
-    /// In the plane Swartz' normals are worth their time; in space so many cells of a thin sheet take every round that Youngs' on a finer
-    /// mesh come to the same error sooner. Where the regions that leave a cell may overlap, what corrections leave behind would grow under Swartz' normals on distorted
-    /// hexahedra, whose planes look along such remainders: Youngs' are the default there.
+    /// Swartz' normals are the default where they are worth their time: in the plane. In space so many cells of a thin sheet take
+    /// every round that Youngs' on a finer mesh come to the same error sooner. And where the regions that leave a cell may overlap,
+    /// what corrections leave behind grows under Swartz' normals on distorted hexahedra.
     pub(super) fn resolve(
         &mut self,
         dimension: usize,
