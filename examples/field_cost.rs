@@ -75,8 +75,9 @@ fn cost<C: Cell<D>, const D: usize>(
             let mut failed = None;
             *time = fastest(|| {
                 step += 1;
-                failed =
-                    transport.flow(&fluxes, duration, step, &vec![quantity; quantities], &mut values).err();
+                failed = transport
+                    .flow(&fluxes.step(duration), step, &vec![quantity; quantities], &mut values)
+                    .err();
             });
             if let Some(error) = failed {
                 return Err(error.into());

@@ -14,7 +14,7 @@
 //!
 //! [`body_file`] reads bodies for shapes. A [`stopwatch`] tells how long the phases of steps take.
 //!
-//! With the feature `import`, `import` reads meshes and fractions of other programs. With the feature `cli`, `scene` reads scene files,
+//! With the feature `import`, `import` reads meshes, fractions and velocities of other programs. With the feature `cli`, `scene` reads scene files,
 //! `run` runs them, `report` sums up, `kernel` takes tables of cells and planes through the geometry kernel, `study` runs combinations of
 //! settings and compares them (with the feature `plot`, too), `stress` tries extreme cases, and `cli` is the command line `vofkit`.
 //! Numerics never look at these. Two and three dimensions are one code, generic over the dimension `D` and the type of
@@ -86,7 +86,7 @@ pub mod prelude {
     pub use crate::normal::NormalMethod;
     pub use crate::quantity::{MaterialQuantity, State};
     pub use crate::shape::{Body, Rotation, Shape};
-    pub use crate::velocity::{Field, Reversal, Velocity};
+    pub use crate::velocity::{Divergence, Field, Flow, Reversal, Sampled, Velocity};
 }
 
 #[cfg(doctest)]

@@ -154,3 +154,32 @@ pub const LARGEST_RADIUS: f64 = 64.0;
 /// A shell whose volume, relative to the cube over the longest side of its body, is below this is flat: rounding would decide which way
 /// round it is.
 pub const SHELL_FLAT: f64 = 1e-14;
+
+/// The sum of the fluxes of a cell, over its volume and the largest Courant number of the mesh, below which a velocity from nodes is free of
+/// divergence: the rounding of fields that are so, such as rotations. More would show up as a drift of volumes.
+pub const DIVERGENCE_ROUNDING: f64 = 1e-12;
+
+/// An end of a mesh through which velocities from nodes come by less than this, relative to the largest velocity, is a wall: the rounding
+/// of single precision. Without it walls of other programs would leak.
+pub const WALL_ROUNDING: f64 = 1e-6;
+
+/// The nodes of a mesh and of the file with its velocity may differ by this, relative to the size of the mesh: single precision.
+/// More would be another mesh.
+pub const SAME_NODE: f64 = 1e-6;
+
+/// The residual of one round of conjugate gradients, relative to that at its start, below which they end: rounding of the rest.
+pub const PROJECTION_REDUCTION: f64 = 1e-10;
+
+/// The sum of the fluxes of a cell, relative to the largest flux, below which a projection is done: rounding of the sum itself.
+pub const PROJECTION_ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// The same where further rounds gain nothing: the rounding of pressures that are much larger than their differences. More is an error,
+/// since volumes would drift.
+pub const PROJECTION_RESIDUAL: f64 = 1e-13;
+
+/// Rounds of conjugate gradients of a projection. Each gains ten digits as long as these are there; two or three are enough.
+pub const PROJECTION_ROUNDS: usize = 6;
+
+/// Iterations of a round of conjugate gradients. They take some times the cells along the longest axis, times the aspect ratio of the cells;
+/// with more than these the round ends where it is, and the next one goes on.
+pub const PROJECTION_ITERATIONS: usize = 20_000;

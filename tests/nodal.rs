@@ -163,7 +163,7 @@ fn momentum_lasts<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, field: Field, b
         for step in 0..4 {
             let mut values = vec![density.clone()];
             values.extend(nodal.to_cells(grid, &nodes));
-            transport.flow(&fluxes, duration, step, &quantities, &mut values).expect("a valid step");
+            transport.flow(&fluxes.step(duration), step, &quantities, &mut values).expect("a valid step");
             density.clone_from(&values[0]);
             nodal.to_nodes(grid, &values[1..], &amounts(&density), &mut nodes);
         }
@@ -311,7 +311,7 @@ fn on_a_bar_both_schemes_are_that_of_lax_and_wendroff() {
         let mut by_points = vec![vec![start.clone()]; schemes.len()];
         let displacement = vec![[shift, 0.0].into(); mesh.nodes().len()];
         for step in 0..20 {
-            volumes.flow(&fluxes, shift, step, &[quantity], &mut by_faces).expect("a valid step");
+            volumes.flow(&fluxes.step(shift), step, &[quantity], &mut by_faces).expect("a valid step");
             for (scheme, values) in schemes.iter().zip(&mut by_points) {
                 points.step(&mesh, &displacement, *scheme, values).expect("finite");
             }

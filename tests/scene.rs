@@ -4,7 +4,7 @@
 mod cli_support;
 
 use cli_support::{Place, scene, scenes};
-use vofkit::scene::{Scene, SceneError, Stepping, Substeps};
+use vofkit::scene::{Scene, SceneError, Stepping, Substeps, VelocitySetup};
 use vofkit::velocity::Field;
 
 const SCENE: &str = r#"
@@ -82,7 +82,8 @@ fn values_are_set_at_any_depth() {
     assert_eq!(scene.mesh.cells, [12, 20]);
     assert_eq!(scene.material_names(), ["water"]);
     assert_eq!(scene.boundary.inflow, Some(0));
-    assert_eq!(scene.field, Field::Uniform { velocity: [2.0, 3.0, 0.0].into() });
+    let field = Field::Uniform { velocity: [2.0, 3.0, 0.0].into() };
+    assert_eq!(scene.field, VelocitySetup::Formula(field));
     assert_eq!(scene.advection.stepping, Stepping::StepsToTime { steps: 7, end_time: 0.25 });
 }
 

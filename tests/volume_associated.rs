@@ -88,7 +88,7 @@ impl<'a, C: Cell<D>, const D: usize> Run<'a, C, D> {
         let duration = self.courant / fluxes.courant_rate(self.mesh);
         let mut outflow = vec![0.0; values.len()];
         for step in 0..self.steps {
-            let ledger = transport.flow(&fluxes, duration, step, quantities, values)?;
+            let ledger = transport.flow(&fluxes.step(duration), step, quantities, values)?;
             outflow.iter_mut().zip(&ledger.outflow).for_each(|(sum, part)| *sum += part);
         }
         Ok(outflow)
@@ -369,7 +369,7 @@ fn whatever_cannot_be_moved_is_an_error_and_nothing_changes() {
     };
     let mut try_it = |courant: f64, quantities: &[Quantity], mut values: Vec<Vec<f64>>| {
         let before = values.clone();
-        let error = transport.flow(&fluxes, courant / rate, 0, quantities, &mut values).unwrap_err();
+        let error = transport.flow(&fluxes.step(courant / rate), 0, quantities, &mut values).unwrap_err();
         let same = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
         assert!(values.iter().zip(&before).all(same));
         error

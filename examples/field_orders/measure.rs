@@ -105,7 +105,7 @@ impl Case {
             }
         }
         for step in 0..steps {
-            volumes.flow(&fluxes, duration, step, &quantities, &mut by_faces)?;
+            volumes.flow(&fluxes.step(duration), step, &quantities, &mut by_faces)?;
             for (scheme, values) in &mut by_points {
                 for _ in 0..POINT_STEPS {
                     points.step(&mesh, &displacement, *scheme, values)?;

@@ -4,7 +4,7 @@ use vofkit_geometry::Cell;
 
 use super::transport::StepError;
 use crate::mesh::{Grid, Mesh, axis_name};
-use crate::velocity::FaceFluxes;
+use crate::velocity::Flow;
 
 /// What one end of an axis is. Periodic axes are a matter of the [grid](crate::mesh::Grid).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,12 +60,11 @@ impl<const D: usize> Boundary<D> {
     /// A wall that was asked for, but is crossed.
     pub(super) fn resolve<C: Cell<D>>(
         mesh: &Mesh<C, D>,
-        fluxes: &FaceFluxes<D>,
+        flow: &Flow<D>,
         asked: [[Option<End>; 2]; D],
         inflow: Option<usize>,
     ) -> Result<Self, WallCrossed> {
-        let unit = fluxes.step(1.0);
-        Self::where_crossed(mesh, asked, inflow, |offset, axis, side| unit.through(offset, axis, side).abs())
+        Self::where_crossed(mesh, asked, inflow, |offset, axis, side| flow.largest_flux(offset, axis, side))
     }
 
     /// The same for whatever volume crosses the faces at the ends.

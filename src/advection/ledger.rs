@@ -18,6 +18,8 @@ pub struct MaterialLedger {
     pub wisps: f64,
     /// Volume that left through open ends, less what came in.
     pub outflow: f64,
+    /// Volume that came from the divergence of the velocity, where the flow dilates: `sum f+ sum F` over the cells.
+    pub dilated: f64,
 }
 
 impl Default for MaterialLedger {
@@ -29,6 +31,7 @@ impl Default for MaterialLedger {
             rescaled: 0.0,
             wisps: 0.0,
             outflow: 0.0,
+            dilated: 0.0,
         }
     }
 }
@@ -42,6 +45,7 @@ impl MaterialLedger {
         self.rescaled += other.rescaled;
         self.wisps += other.wisps;
         self.outflow += other.outflow;
+        self.dilated += other.dilated;
     }
 }
 

@@ -1,7 +1,7 @@
 //! Where the content of a cell comes from: its pre-image, the cell traced back over the step.
 //!
 //! The nodes are traced by the classical Runge-Kutta method through the steady field, whose duration is the integral of its
-//! amplitude. Each face then is a fan from one added point to the traced edges (2D: two segments). The added point starts in
+//! amplitude, or, where the velocity is given at the nodes, to second order in time. Each face then is a fan from one added point to the traced edges (2D: two segments). The added point starts in
 //! the mean of the traced nodes, where the fan encloses what the ruled face does, and moves along the area vector `A` of
 //! the traced face until the region between the face and its fan has the flux volume `phi`: moving it by `s A` changes that by
 //! `-s |A|^2 / D`, so
@@ -20,9 +20,7 @@ use super::places::Places;
 use crate::interface::RegionOf;
 use crate::mesh::{Grid, Mesh};
 use crate::parallel;
-use crate::space::{planar, spatial};
 use crate::tolerance::FACE_COLLAPSED;
-use crate::velocity::Field;
 
 /// How far the nodes of some cells have come in a step.
 #[derive(Clone, Debug)]
@@ -74,16 +72,6 @@ impl<const D: usize> Traces<D> {
 /// The node at a corner of the cell at an offset.
 pub(super) fn corner_node<const D: usize>(grid: &Grid<D>, offset: [usize; D], corner: &[usize; D]) -> usize {
     grid.node_index(std::array::from_fn(|k| offset[k] + corner[k]))
-}
-
-/// How far a point has come while the steady field acted for `duration`: it came from its place minus this.
-pub(super) fn displacement<const D: usize>(field: &Field, x: &Vector<D>, duration: f64) -> Vector<D> {
-    let x = &spatial(x);
-    let k1 = field.velocity(x);
-    let k2 = field.velocity(&(x - k1 * (0.5 * duration)));
-    let k3 = field.velocity(&(x - k2 * (0.5 * duration)));
-    let k4 = field.velocity(&(x - k3 * duration));
-    planar(&((k1 + (k2 + k3) * 2.0 + k4) * (duration / 6.0)))
 }
 
 /// A traced face, its nodes in outward order: where they are, and where they come from, with the added point.

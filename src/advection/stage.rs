@@ -18,34 +18,10 @@ use vofkit_geometry::{Cell, HalfSpace, Vector};
 
 use super::boundary::Boundary;
 use super::schedule::{Share, Turn};
+use super::tracing::Traced;
 use crate::mesh::{Grid, Mesh};
-use crate::parallel;
-use crate::space::{planar, spatial};
 use crate::tolerance::{OUTFLOW_EXCESS, SWEPT_VOLUME_RATIO, TRACE_ITERATIONS};
-use crate::velocity::{Field, StepFluxes};
-
-/// Velocities and accelerations at the nodes, for tracing them back.
-#[derive(Clone, Debug)]
-pub(super) struct NodalMotion<const D: usize> {
-    velocity: Vec<Vector<D>>,
-    acceleration: Vec<Vector<D>>,
-}
-
-impl<const D: usize> NodalMotion<D> {
-    pub(super) fn new<C: Cell<D>>(mesh: &Mesh<C, D>, field: &Field) -> Self {
-        let nodes = mesh.nodes();
-        let at_node = |value: &(dyn Fn(&Vector<3>) -> Vector<3> + Sync)| {
-            parallel::map(nodes.len(), |i| planar(&value(&spatial(&nodes[i]))))
-        };
-        Self { velocity: at_node(&|x| field.velocity(x)), acceleration: at_node(&|x| field.acceleration(x)) }
-    }
-
-    /// How far a node has come in the step: `T u - T^2/2 (u.grad) u`, second order in the duration `T`. The node came
-    /// from its place minus this.
-    fn displacement(&self, node: usize, duration: f64) -> Vector<D> {
-        (self.velocity[node] - self.acceleration[node] * (0.5 * duration)) * duration
-    }
-}
+use crate::velocity::{NodalMotion, StepFluxes};
 
 /// The volumes that leave a cell through its faces; negative where they enter.
 pub(super) type Outward = [f64; 6];
@@ -74,11 +50,11 @@ pub(super) enum Regions<'a, C, const D: usize> {
     Swept { to: &'a Mesh<C, D> },
 }
 
-/// The flux towards higher indices through a face, split by the axes of the displacement; the last of `axes` takes
+/// The flux towards higher indices through a face, split by the axes of the displacement of the nodes; the last of `axes` takes
 /// what the others leave.
 pub(super) fn components<C: Cell<D>, const D: usize>(
     mesh: &Mesh<C, D>,
-    nodes: &NodalMotion<D>,
+    traced: &Traced<'_, D>,
     fluxes: &StepFluxes<'_, D>,
     axes: [usize; D],
     mut offset: [usize; D],
@@ -99,7 +75,7 @@ pub(super) fn components<C: Cell<D>, const D: usize>(
     for (corner, &i) in corners.iter_mut().zip(index) {
         let node = grid.node_index(std::array::from_fn(|k| offset[k] + C::OFFSETS[i][k]));
         *corner = mesh.nodes()[node];
-        mean += nodes.displacement(node, fluxes.duration());
+        mean += traced.displacement(node);
     }
     mean /= index.len() as f64;
     let area = -C::area_vector(&corners[..index.len()]);

@@ -1,24 +1,26 @@
 //! The transport of materials through a mesh that stands still: what stays the same over a run, and one step.
 
+use std::borrow::Cow;
+
 use vofkit_geometry::Cell;
 
 use super::band::Band;
 use super::boundary::{Boundary, WallCrossed};
 use super::carry::{Cargo, carried};
+use super::dilation;
 use super::ledger::Ledger;
-use super::preimage::displacement;
 use super::schedule::{Share, Turn, turns};
 use super::settings::{Scheme, Settings};
-use super::stage::{NodalMotion, Outward, Regions, Stage, components, outward_volumes};
+use super::stage::{Outward, Regions, Stage, components, outward_volumes};
 use super::sweeps::{Holding, Rules, Sweeps};
-use super::unsplit::{Step, Unsplit, radius, reach};
+use super::tracing::{Traced, Tracing};
+use super::unsplit::{Step, Unsplit};
 use super::wisps;
 use crate::interface::{ReconstructionError, check_fractions};
 use crate::mesh::{Mesh, MotionError};
 use crate::quantity::{self, MaterialQuantity, QuantityError};
-use crate::space::{planar, spatial};
 use crate::stopwatch::Stopwatch;
-use crate::velocity::{FaceFluxes, FluxRange, Velocity};
+use crate::velocity::{Flow, FluxRange, Velocity};
 
 /// A transport that cannot be set up.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -32,6 +34,12 @@ pub enum SetupError {
     /// A scheme for meshes that move.
     #[error("the scheme {scheme} is for meshes that move under materials at rest")]
     Still {
+        /// The scheme.
+        scheme: Scheme,
+    },
+    /// A scheme in which cells keep their volume within a step.
+    #[error("the scheme {scheme} needs fluxes that cancel in every cell, and these dilate what is in it")]
+    Dilating {
         /// The scheme.
         scheme: Scheme,
     },
@@ -114,20 +122,16 @@ impl StepError {
 #[derive(Debug)]
 pub struct Transport<'a, C, const D: usize> {
     mesh: &'a Mesh<C, D>,
-    velocity: Velocity,
-    fluxes: FaceFluxes<D>,
+    flow: Flow<D>,
     boundary: Boundary<D>,
     settings: Settings<D>,
-    /// For regions that are traced back.
-    nodes: Option<NodalMotion<D>>,
+    tracing: Tracing<D>,
     band: Band<D>,
     sweeps: Sweeps<D>,
     /// For the unsplit scheme.
     unsplit: Option<Unsplit<D>>,
     /// Whether nothing crosses any face at any time.
     rests: bool,
-    /// For the unsplit scheme: cells per time that the fastest node moves along an axis of a cell, at full amplitude.
-    reach: f64,
 }
 
 impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
@@ -137,41 +141,35 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
     /// A velocity out of range, a wall that was asked for, but is crossed by the velocity, or a scheme that cannot deal with
     /// the mesh.
     pub fn new(mesh: &'a Mesh<C, D>, velocity: Velocity, settings: Settings<D>) -> Result<Self, SetupError> {
-        Self::with_fluxes(mesh, velocity, FaceFluxes::new(mesh, &velocity.field)?, settings)
+        Self::with_flow(mesh, Flow::new(mesh, velocity)?, settings)
     }
 
-    /// The same with the face fluxes of `velocity.field` at hand.
+    /// The same by any flow on the mesh.
     ///
     /// # Errors
-    /// A wall that was asked for, but is crossed by the velocity, or a scheme that cannot deal with the mesh.
-    pub fn with_fluxes(
-        mesh: &'a Mesh<C, D>,
-        velocity: Velocity,
-        fluxes: FaceFluxes<D>,
-        settings: Settings<D>,
-    ) -> Result<Self, SetupError> {
+    /// A wall that was asked for, but is crossed by the velocity, or a scheme that cannot deal with the mesh or the flow.
+    pub fn with_flow(mesh: &'a Mesh<C, D>, flow: Flow<D>, settings: Settings<D>) -> Result<Self, SetupError> {
         if settings.scheme == Scheme::WeymouthYue && !mesh.is_undistorted() {
             return Err(SetupError::Distorted { scheme: settings.scheme });
         }
         if settings.scheme == Scheme::Remap {
             return Err(SetupError::Still { scheme: settings.scheme });
         }
-        let boundary = Boundary::resolve(mesh, &fluxes, settings.ends, settings.inflow)?;
-        let rests = fluxes.courant_rate(mesh) == 0.0;
-        let traced = settings.scheme == Scheme::Isotropic || settings.splits_displacement(mesh);
+        if settings.scheme == Scheme::WeymouthYue && flow.dilates() {
+            return Err(SetupError::Dilating { scheme: settings.scheme });
+        }
+        let boundary = Boundary::resolve(mesh, &flow, settings.ends, settings.inflow)?;
+        let rests = flow.courant_rate(mesh) == 0.0;
         let is_unsplit = settings.scheme == Scheme::Unsplit;
-        let at_node = |node: usize| planar(&velocity.field.velocity(&spatial(&mesh.nodes()[node])));
         Ok(Self {
             mesh,
-            velocity,
-            fluxes,
             boundary,
             settings,
-            nodes: traced.then(|| NodalMotion::new(mesh, &velocity.field)),
+            tracing: Tracing::new(mesh, &flow, &settings),
+            flow,
             band: Band::new(),
             sweeps: Sweeps::default(),
             unsplit: is_unsplit.then(|| Unsplit::new(mesh)),
-            reach: if is_unsplit { reach(mesh, at_node) } else { 0.0 },
             rests,
         })
     }
@@ -181,14 +179,14 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
         self.mesh
     }
 
-    /// The fluxes through the faces.
-    pub fn fluxes(&self) -> &FaceFluxes<D> {
-        &self.fluxes
+    /// What moves the materials.
+    pub fn flow(&self) -> &Flow<D> {
+        &self.flow
     }
 
-    /// The Courant number of a step per unit of time: see [`FaceFluxes::courant_rate`].
+    /// The Courant number of a step per unit of time: see [`Flow::courant_rate`].
     pub fn courant_rate(&self) -> f64 {
-        self.fluxes.courant_rate(self.mesh)
+        self.flow.courant_rate(self.mesh)
     }
 
     /// What happens at the ends of the axes.
@@ -240,6 +238,10 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
     ) -> Result<Ledger, StepError> {
         let mut cargo = Cargo { fractions, quantities };
         let mut ledger = self.go(&mut cargo, step, times, stopwatch)?;
+        if self.flow.dilates() {
+            let [start, end] = times;
+            dilation::enter(self.mesh, &self.flow.step(start, end).fluxes(), cargo.fractions, &mut ledger);
+        }
         if let Some(below) = self.settings.wisps {
             wisps::remove(self.mesh, &mut cargo, below, &mut ledger);
         }
@@ -255,8 +257,8 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
         stopwatch: &mut Stopwatch,
     ) -> Result<Ledger, StepError> {
         self.boundary.check_inflow(fractions.len())?;
-        let duration = self.velocity.duration(start, end);
-        if duration == 0.0 || fractions.is_empty() {
+        let flow = self.flow.step(start, end);
+        if flow.is_nothing() || fractions.is_empty() {
             return Ok(Ledger::new(fractions.len()));
         }
         for fractions in fractions.iter() {
@@ -267,17 +269,26 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
             return Ok(Ledger::new(fractions.len()));
         }
         let carried = carried(quantities, fractions.len());
-        let fluxes = self.fluxes.step(duration);
+        let fluxes = flow.fluxes();
+        let traced = self.tracing.of_step(self.mesh, &flow);
         if let Some(unsplit) = &mut self.unsplit {
             let mut ledger = Ledger::new(fractions.len());
-            let around = [radius(self.reach * duration); D];
+            let around = [self.tracing.radius(self.mesh, &flow, traced.as_ref()); D];
             self.band.collect(self.mesh.grid(), fractions, &carried, &self.boundary, around);
-            let field = &self.velocity.field;
+            let mesh = self.mesh;
+            let displacement = |node: usize| match &traced {
+                Some(traced) => traced.displacement(node),
+                None => flow.displacement(&mesh.nodes()[node]),
+            };
+            let volumes = match self.flow.dilates() {
+                true => Cow::Owned(dilation::volumes(mesh, &fluxes)?),
+                false => Cow::Borrowed(mesh.volumes()),
+            };
             let step = Step {
-                mesh: self.mesh,
-                volumes: self.mesh.volumes(),
+                mesh,
+                volumes: &volumes,
                 boundary: &self.boundary,
-                displacement: &|node| displacement(field, &self.mesh.nodes()[node], duration),
+                displacement: &displacement,
                 through: Some(&|offset, axis, side| fluxes.through(offset, axis, side)),
                 band: &self.band,
                 reconstruction: self.settings.reconstruction,
@@ -287,7 +298,7 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
             return Ok(ledger);
         }
         let turns = turns::<D>(self.settings.order, step);
-        let stages = stages(self.mesh, self.nodes.as_ref(), self.settings.scheme, &turns, duration);
+        let stages = stages(self.mesh, traced.as_ref(), self.settings.scheme, &turns);
         let splits = self.settings.splits_displacement(self.mesh);
         let rules = Rules {
             grid: self.mesh.grid(),
@@ -305,12 +316,12 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
             components: if splits { D } else { 1 },
         };
         let grid = self.mesh.grid();
-        let outward = |offset: [usize; D], outward: &mut [Outward]| match &self.nodes {
-            Some(nodes) if splits => {
+        let outward = |offset: [usize; D], outward: &mut [Outward]| match &traced {
+            Some(traced) if splits => {
                 let axes = std::array::from_fn(|i| turns[i].axis);
                 let parts: [[f64; D]; 6] = std::array::from_fn(|face| {
                     if face < C::FACES {
-                        components(self.mesh, nodes, &fluxes, axes, offset, face)
+                        components(self.mesh, traced, &fluxes, axes, offset, face)
                     } else {
                         [0.0; D]
                     }
@@ -329,24 +340,27 @@ impl<'a, C: Cell<D>, const D: usize> Transport<'a, C, D> {
     }
 }
 
-/// The sweeps of a step that lasts `duration`; `nodes` are there for regions that are traced back.
+/// The sweeps of a step; `traced` is there for regions that are traced back.
 fn stages<'a, C: Cell<D>, const D: usize>(
     mesh: &'a Mesh<C, D>,
-    nodes: Option<&'a NodalMotion<D>>,
+    traced: Option<&'a Traced<'_, D>>,
     scheme: Scheme,
     turns: &[Turn],
-    duration: f64,
 ) -> Vec<Stage<'a, C, D>> {
-    let traced = |nodes, duration, axis| Regions::Traced { nodes, duration, axis };
-    match nodes {
+    let regions = |traced: &'a Traced<'_, D>, part: f64, axis| Regions::Traced {
+        nodes: &traced.nodes,
+        duration: traced.duration * part,
+        axis,
+    };
+    match traced {
         None => turns.iter().map(|turn| Stage::along_mesh_lines(mesh, turn)).collect(),
-        Some(nodes) if scheme == Scheme::Isotropic => {
-            vec![Stage::over_all_faces(mesh, 0, Share::Whole, traced(nodes, duration, None))]
+        Some(traced) if scheme == Scheme::Isotropic => {
+            vec![Stage::over_all_faces(mesh, 0, Share::Whole, regions(traced, 1.0, None))]
         }
-        Some(nodes) => {
+        Some(traced) => {
             let along = |&Turn { axis, share }: &Turn| {
-                let duration = if share == Share::Whole { duration } else { 0.5 * duration };
-                Stage::over_all_faces(mesh, axis, share, traced(nodes, duration, Some(axis)))
+                let part = if share == Share::Whole { 1.0 } else { 0.5 };
+                Stage::over_all_faces(mesh, axis, share, regions(traced, part, Some(axis)))
             };
             turns.iter().map(along).collect()
         }

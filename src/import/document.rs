@@ -217,6 +217,11 @@ impl<'a> Document<'a> {
         ImportError::Array { path: self.path.clone(), array, problem, help }
     }
 
+    /// The number of components of an array; 0 where that is no number.
+    pub(super) fn width(array: &ArrayText) -> usize {
+        if array.components.is_empty() { 1 } else { array.components.parse().unwrap_or(0) }
+    }
+
     /// So many times so many components.
     pub(super) fn numbers(
         &self,

@@ -1,11 +1,11 @@
 //! Meshes and volume fractions from someone else's VTK structured grids (`.vts`), and what `vofkit run` wrote.
 //!
-//! - this file: a [`StructuredGrid`] as a file gives it, and as a mesh takes it;
+//! - this file: a [`StructuredGrid`] as a file gives it, and as a mesh takes it; `velocity`: a [`NodalVelocity`] on such a grid;
 //! - `poly_data`: interfaces (`.vtp`); `series`: which files belong to which time (`.pvd`);
 //! - `document`: the parts of a file; `array`: its numbers, from every encoding that VTK writes but LZMA;
 //! - [`error`]: what can be wrong, with file, array and cell.
 //!
-//! Only nodes and fractions (cell data `alpha.<material>`) are decoded; everything else in the file costs nothing. The numbers come
+//! Only nodes, fractions (cell data `alpha.<material>`) and, where it is asked for, the velocity `U` are decoded; everything else in the file costs nothing. The numbers come
 //! out as they went in, but for fractions that add up to more than 1 by the rounding of other programs. No file makes this fail but with an error.
 
 mod array;
@@ -13,6 +13,7 @@ mod document;
 pub mod error;
 mod poly_data;
 mod series;
+mod velocity;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,7 +25,8 @@ use crate::tolerance::{FRACTION_SUM, PLANAR};
 use document::Document;
 pub use error::ImportError;
 pub use poly_data::read_facets;
-pub use series::{TimedFile, read_series};
+pub use series::{TimedFile, read_series, velocity_files};
+pub use velocity::NodalVelocity;
 
 /// What the names of fractions start with.
 const ALPHA: &str = "alpha.";
@@ -60,9 +62,18 @@ impl StructuredGrid {
             section == "Points" || section == "CellData" && name.starts_with(ALPHA)
         };
         let document = Document::parse(path, &bytes, "StructuredGrid", &wanted)?;
+        let fractions = document.cell_arrays(ALPHA, document.node_counts()?)?;
+        Self::of(path, &document, fractions)
+    }
+
+    /// The grid of a file with these fractions.
+    fn of(
+        path: &Path,
+        document: &Document<'_>,
+        fractions: Vec<(String, Vec<f64>)>,
+    ) -> Result<Self, ImportError> {
         let counts = document.node_counts()?;
         let nodes = document.points(counts.iter().product())?;
-        let fractions = document.cell_arrays(ALPHA, counts)?;
         let cells: Vec<usize> = counts.iter().filter(|&&count| count > 1).map(|count| count - 1).collect();
         let mut grid = Self { path: path.to_owned(), cells, nodes, fractions, reversed: false, divided: 0 };
         match *grid.cells.as_slice() {

@@ -24,6 +24,56 @@ pub struct TimedFile {
 /// A file that cannot be read or is no collection, is empty, or has an entry without a file or a finite time.
 pub fn read_series(path: impl AsRef<Path>) -> Result<Vec<TimedFile>, ImportError> {
     let path = path.as_ref();
+    let mut files = entries(path)?;
+    if files.is_empty() {
+        let problem = "it names no files".to_owned();
+        return Err(ImportError::Grid { path: path.to_owned(), problem, help: REWRITE });
+    }
+    files.sort_by(|a, b| a.time.total_cmp(&b.time));
+    Ok(files)
+}
+
+/// The structured grids (`.vts`) that a velocity is in: one, or those of a time series (`.pvd`), all of which are there.
+///
+/// # Errors
+/// A series that cannot be read, has no structured grids, whose times do not increase, or of which a file is not there.
+pub fn velocity_files(path: impl AsRef<Path>) -> Result<Vec<TimedFile>, ImportError> {
+    let path = path.as_ref();
+    let has_extension =
+        |path: &Path, wanted: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(wanted));
+    if !has_extension(path, "pvd") {
+        fs::metadata(path).map_err(|error| ImportError::Read { path: path.to_owned(), error })?;
+        return Ok(vec![TimedFile { time: 0.0, group: String::new(), path: path.to_owned() }]);
+    }
+    let wrong =
+        |problem: String, help: &'static str| ImportError::Grid { path: path.to_owned(), problem, help };
+    let mut files = entries(path)?;
+    files.retain(|file| has_extension(&file.path, "vts"));
+    if files.is_empty() {
+        return Err(wrong(
+            "it names no structured grids (.vts)".to_owned(),
+            "name the files of the velocity in it",
+        ));
+    }
+    for pair in files.windows(2) {
+        if !(pair[1].time > pair[0].time) {
+            let [a, b] = [&pair[0], &pair[1]].map(|file| (file.path.display(), file.time));
+            let problem =
+                format!("{} has the time {:?}, which does not follow {:?} of {}", b.0, b.1, a.1, a.0);
+            return Err(wrong(problem, "sort its entries by their times, and name one file for each time"));
+        }
+    }
+    for file in &files {
+        fs::metadata(&file.path).map_err(|error| {
+            let problem = format!("of the time {:?} it names {}: {error}", file.time, file.path.display());
+            wrong(problem, "name files that are there; their paths are relative to the folder of the .pvd")
+        })?;
+    }
+    Ok(files)
+}
+
+/// The entries of a time series in their own order.
+fn entries(path: &Path) -> Result<Vec<TimedFile>, ImportError> {
     let wrong = |problem: String| ImportError::Grid { path: path.to_owned(), problem, help: REWRITE };
     let text =
         fs::read_to_string(path).map_err(|error| ImportError::Read { path: path.to_owned(), error })?;
@@ -46,9 +96,5 @@ pub fn read_series(path: impl AsRef<Path>) -> Result<Vec<TimedFile>, ImportError
         let group = node.attribute("group").unwrap_or_default().to_owned();
         files.push(TimedFile { time, group, path: folder.join(file) });
     }
-    if files.is_empty() {
-        return Err(wrong("it names no files".to_owned()));
-    }
-    files.sort_by(|a, b| a.time.total_cmp(&b.time));
     Ok(files)
 }

@@ -224,4 +224,6 @@ pub struct MaterialCorrections {
     pub rescaled: f64,
     /// Volume removed with wisps.
     pub wisps: f64,
+    /// Volume that came from the divergence of a velocity from files, where the scene lets it dilate materials.
+    pub dilated: f64,
 }

@@ -29,7 +29,7 @@ pub(super) fn fractions<C: Cell<D>, const D: usize>(
         // The material rests; what lay beyond the mesh at the start is not known.
         return scene.shapes().filter(|_| !crossed).map(|shapes| volume_fractions(mesh, &shapes));
     }
-    let motion = setup.velocity.rigid_motion(0.0, setup.plan.end)?;
+    let motion = setup.mover.rigid_motion(setup.plan.end)?;
     let is_translation = matches!(motion, RigidMotion::Translation { .. });
     if crossed && !(is_translation && scene.reversal == ReversalSetup::None) {
         return None;

@@ -1,7 +1,7 @@
 //! Runs a scene: everything between a [`Resolved`] scene and the files in the output folder.
 //!
 //! - this file: runs; [`still`]: the interface as it stands, of a scene of which nothing moves;
-//! - [`prepare`]: mesh, fractions and transport, with the last errors of the scene; `memory`: whether they fit;
+//! - [`prepare`]: mesh, fractions and transport, with the last errors of the scene; `velocity`: what moves it; `memory`: whether they fit;
 //! - [`plan`]: the time steps; [`moment`]: the state at one time, with nothing written; [`results`]: read back from what was written;
 //! - `folder`, `history`, `table`, `output`, `series`, `planes`: what is written; [`draw`]: pictures, of the meshes that have them;
 //! - `checkpoint`: the state of a run, to go on from;
@@ -33,6 +33,7 @@ pub mod still;
 mod table;
 mod tally;
 pub mod threads;
+mod velocity;
 
 use std::borrow::Cow;
 use std::io::Write;
@@ -206,7 +207,6 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
         };
         self.stopwatch.lap(|seconds| &mut seconds.output);
         progress.begin(plan.steps);
-        let rate = plan.courant / plan.dt();
         while stand.step < plan.steps {
             let [start, end] = [stand.step, stand.step + 1].map(|step| plan.time(step));
             let ledger = match self.step(&mut stand.fractions, stand.step, [start, end], &mut stand.substeps)
@@ -222,7 +222,7 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
             stand.tally.add(&stand.fractions, &ledger, stand.substeps);
             self.quantities.note(&stand.fractions, &ledger.quantities);
             if let Some(history) = &mut stand.history {
-                let courant = rate * self.setup.velocity.duration(start, end).abs();
+                let courant = self.setup.courant([start, end]);
                 let mesh = self.setup.mover.mesh();
                 history.add(&stand.tally.line(mesh, &stand.fractions, &ledger, [start, end], courant))?;
             }
@@ -262,7 +262,7 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
     }
 
     fn output(&self) -> Output<'a, D> {
-        Output::new(self.scene, Beside::Velocity(self.setup.velocity), self.folder.to_owned())
+        Output::new(self.scene, Beside::Velocity, self.folder.to_owned())
     }
 
     /// Takes everything to where it was at a checkpoint.
@@ -414,7 +414,7 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
         let Self { fields, quantities, setup, stopwatch, .. } = self;
         let run_end = setup.plan.end;
         if !fields.is_empty() {
-            fields.step(&setup.mover, &setup.velocity, times, run_end, number)?;
+            fields.step(&setup.mover, times, run_end, number)?;
             stopwatch.lap(|seconds| &mut seconds.fields);
         }
         let [start, end] = times;
@@ -430,7 +430,7 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
     /// Where the fields should be after a number of steps.
     fn exact_fields(&self, step: usize) -> Vec<Option<Vec<Profile<D>>>> {
         let time = self.setup.plan.time(step);
-        fields::exact(self.scene, self.setup.mover.mesh(), &self.setup.velocity, time)
+        fields::exact(self.scene, self.setup.mover.mesh(), self.setup.mover.rigid_motion(time))
     }
 
     /// Adds the state after a number of steps to the table of the fields.
@@ -459,7 +459,8 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
             Vec::new()
         };
         if state {
-            let moved = Moved { fields: &self.fields, quantities: &self.quantities };
+            let flow = self.setup.mover.flow();
+            let moved = Moved { fields: &self.fields, quantities: &self.quantities, flow };
             output.state(mesh, time, fractions, &facets, Some(moved))?;
         }
         if picture {

@@ -20,7 +20,7 @@ use crate::facet::Facet;
 use crate::mesh::Mesh;
 use crate::profile::Profile;
 use crate::scene::{Location, OutputSetup, Resolved, Still};
-use crate::velocity::Velocity;
+use crate::velocity::Flow;
 
 /// Stems and extensions of the files of a state.
 pub(super) const STATES: [(&str, &str); 3] = [("interface", "obj"), ("fields", "vts"), ("interface", "vtp")];
@@ -122,7 +122,7 @@ pub(super) fn picture_file(when: &str) -> String {
 /// What the fields show besides the fractions.
 pub(super) enum Beside<const D: usize> {
     /// The velocity.
-    Velocity(Velocity),
+    Velocity,
     /// The planes of the materials; none if there are no fields.
     Planes(Vec<CellPlanes<D>>),
 }
@@ -132,6 +132,8 @@ pub(super) enum Beside<const D: usize> {
 pub(super) struct Moved<'a, const D: usize> {
     pub(super) fields: &'a Fields<'a, D>,
     pub(super) quantities: &'a Quantities<'a, D>,
+    /// What moves them; none where they rest.
+    pub(super) flow: Option<&'a Flow<D>>,
 }
 
 /// Writes the state of a run.

@@ -4,6 +4,7 @@ use vofkit_geometry::{Cell, Vector};
 
 use super::memory;
 use super::plan::Plan;
+use super::velocity;
 use crate::advection::{
     Boundary, End, Ledger, Remesh, Scheme, Settings, SetupError, StepError, SweepAxes, Transport,
 };
@@ -12,15 +13,11 @@ use crate::mesh::{Grid, Mesh, MeshError, MeshMotion, MeshPath, MotionError, Moti
 use crate::metrics::material_volume;
 use crate::quantity::MaterialQuantity;
 use crate::scene::{Part, Resolved, SceneError, Stepping, Still};
-use crate::space::spatial;
 use crate::stopwatch::Stopwatch;
-use crate::velocity::{FaceFluxes, Reversal, Velocity};
+use crate::velocity::{Flow, RigidMotion};
 
 /// Unusable cells that an error names; the others are in its details.
 const NAMED_CELLS: usize = 10;
-
-/// Velocities at joined ends may differ by this much, relative to the largest: rounding of the fields.
-const PERIODIC_DIFFERENCE: f64 = 1e-9;
 
 /// What moves the materials, or the mesh under them.
 #[derive(Debug)]
@@ -43,8 +40,6 @@ pub enum Mover<'a, C, const D: usize> {
 pub struct Setup<'a, C, const D: usize> {
     /// Moves the materials.
     pub mover: Mover<'a, C, D>,
-    /// The velocity with its change in time.
-    pub velocity: Velocity,
     /// What happens at the ends of the axes.
     pub boundary: Boundary<D>,
     /// The largest sum of what leaves a cell in a step, relative to its volume; where the mesh moves, of that sum and the change
@@ -154,16 +149,14 @@ pub fn setup<'a, C: Cell<D>, const D: usize>(
     if let Some(motion) = &scene.mesh.motion {
         return moving(scene, mesh, motion);
     }
-    check_periodic(scene, mesh)?;
-    let fluxes = FaceFluxes::new(mesh, &scene.field)
-        .map_err(|range| setup_error(scene, &SetupError::Fluxes(range)))?;
-    let plan = Plan::new(scene, fluxes.courant_rate(mesh))?;
-    let velocity = Velocity { field: scene.field, reversal: plan.reversal(scene.reversal) };
-    let transport = Transport::with_fluxes(mesh, velocity, fluxes, settings(scene, &plan))
+    let flow = velocity::flow(scene, mesh)?;
+    let plan = Plan::new(scene, flow.courant_rate(mesh))?;
+    let flow = flow.with_reversal(plan.reversal(scene.reversal));
+    let divergence = flow.largest_divergence(mesh, plan.dt());
+    let transport = Transport::with_flow(mesh, flow, settings(scene, &plan))
         .map_err(|error| setup_error(scene, &error))?;
-    let (boundary, divergence) =
-        (*transport.boundary(), transport.fluxes().largest_divergence(mesh, plan.dt()));
-    Ok(Setup { mover: Mover::Flow(Box::new(transport)), velocity, boundary, divergence, plan })
+    let boundary = *transport.boundary();
+    Ok(Setup { mover: Mover::Flow(Box::new(transport)), boundary, divergence, plan })
 }
 
 /// The same for a mesh that moves.
@@ -192,9 +185,8 @@ fn moving<'a, C: Cell<D>, const D: usize>(
             "leave out that end in [boundary], or make it \"outflow\"",
         )
     })?;
-    let velocity = Velocity { field: scene.field, reversal: Reversal::None };
     let mover = Mover::Remesh { remesh: Box::new(remesh), at: mesh.clone(), path };
-    Ok(Setup { mover, velocity, boundary, divergence: mismatch, plan })
+    Ok(Setup { mover, boundary, divergence: mismatch, plan })
 }
 
 impl<C: Cell<D>, const D: usize> Setup<'_, C, D> {
@@ -202,6 +194,13 @@ impl<C: Cell<D>, const D: usize> Setup<'_, C, D> {
     pub fn is_closed(&self) -> bool {
         let periodic = self.mover.mesh().grid().periodic();
         (0..D).all(|axis| periodic[axis] || !self.boundary.ends[axis].contains(&End::Outflow))
+    }
+
+    /// The Courant number of a step, by what moves in it.
+    pub(crate) fn courant(&self, [start, end]: [f64; 2]) -> f64 {
+        let rate = self.plan.courant / self.plan.dt();
+        let duration = self.mover.flow().map_or(end - start, |flow| flow.step(start, end).duration());
+        rate * duration.abs()
     }
 }
 
@@ -212,6 +211,20 @@ impl<C: Cell<D>, const D: usize> Mover<'_, C, D> {
             Self::Flow(transport) => transport.mesh(),
             Self::Remesh { at, .. } => at,
         }
+    }
+
+    /// What moves the materials; none where they rest.
+    pub fn flow(&self) -> Option<&Flow<D>> {
+        match self {
+            Self::Flow(transport) => Some(transport.flow()),
+            Self::Remesh { .. } => None,
+        }
+    }
+
+    /// The rigid motion of the materials from the start to `time`; none where it is not known.
+    pub(crate) fn rigid_motion(&self, time: f64) -> Option<RigidMotion> {
+        let rest = Some(RigidMotion::Translation { shift: Vector::zeros() });
+        self.flow().map_or(rest, |flow| flow.rigid_motion(0.0, time))
     }
 
     /// Takes the mesh to where it is after a part of its way.
@@ -270,7 +283,7 @@ fn settings<const D: usize>(scene: &Resolved<D>, plan: &Plan) -> Settings<D> {
     }
 }
 
-fn setup_error<const D: usize>(scene: &Resolved<D>, error: &SetupError) -> SceneError {
+pub(super) fn setup_error<const D: usize>(scene: &Resolved<D>, error: &SetupError) -> SceneError {
     let (part, help) = match error {
         SetupError::Wall(crossed) => (
             Part::Boundary(crossed.axis),
@@ -280,45 +293,17 @@ fn setup_error<const D: usize>(scene: &Resolved<D>, error: &SetupError) -> Scene
             ),
         ),
         SetupError::Fluxes(_) => (Part::Field, "choose other units of length or time".to_owned()),
+        SetupError::Dilating { .. } => (
+            Part::Scheme,
+            "use the scheme sweeps, unsplit or isotropic, or divergence = \"project\" in velocity.field.file"
+                .to_owned(),
+        ),
         SetupError::Still { .. } => (Part::Scheme, "use the scheme unsplit in the mode flow".to_owned()),
         SetupError::Distorted { .. } => {
             (Part::Scheme, "use the scheme sweeps, or leave out mesh.distortion".to_owned())
         }
     };
     scene.error(part, error.to_string(), help)
-}
-
-/// Ends can be joined only where the velocity is the same at both.
-fn check_periodic<C: Cell<D>, const D: usize>(
-    scene: &Resolved<D>,
-    mesh: &Mesh<C, D>,
-) -> Result<(), SceneError> {
-    let grid = mesh.grid();
-    let [lower, upper] = mesh.bounds();
-    for axis in (0..D).filter(|&axis| grid.periodic()[axis]) {
-        let mut shift = Vector::<3>::zeros();
-        shift[axis] = upper[axis] - lower[axis];
-        let (mut largest, mut difference) = (0.0_f64, 0.0_f64);
-        for (node, x) in mesh.nodes().iter().enumerate() {
-            if grid.node_offset(node)[axis] == 0 {
-                let x = spatial(x);
-                let [here, there] = [x, x + shift].map(|x| scene.field.velocity(&x));
-                largest = largest.max(here.amax());
-                difference = difference.max((there - here).amax());
-            }
-        }
-        if difference > PERIODIC_DIFFERENCE * largest.max(f64::MIN_POSITIVE) {
-            return Err(scene.error(
-                Part::Boundary(axis),
-                format!(
-                    "the velocity at the two ends of {} differs by {difference:.3e}, so they cannot be joined",
-                    axis_name(axis)
-                ),
-                "use \"wall\" or \"outflow\" there, or a velocity and a box with matching ends",
-            ));
-        }
-    }
-    Ok(())
 }
 
 /// About how many bytes of memory a run of the scene takes.
@@ -348,6 +333,8 @@ pub fn memory<const D: usize>(scene: &Resolved<D>) -> u64 {
         // Values now and before the step, their slopes and middles, what a pass found, and what cells hold of the materials.
         values += components * (3 + dimension + 1) + dimension + 2 * materials;
     }
+    // Velocities and fluxes of each file, and what is traced of them.
+    values += (2 * scene.field.files() as u64 + 4) * dimension * u64::from(scene.field.files() > 0);
     let mut band = size_of::<u32>() as u64;
     if let Scheme::Unsplit | Scheme::Remap = scene.advection.scheme {
         // Places of mixed cells and of traced nodes; on distorted meshes boxes around blocks of cells.

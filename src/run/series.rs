@@ -11,10 +11,7 @@ use crate::export::vtk::{
 };
 use crate::facet::Facet;
 use crate::mesh::Mesh;
-use crate::parallel;
 use crate::scene::Still;
-use crate::space::spatial;
-use crate::velocity::Velocity;
 
 /// The VTK files of a run.
 pub(super) struct Series<'a, const D: usize> {
@@ -47,8 +44,10 @@ impl<'a, const D: usize> Series<'a, D> {
             let mut arrays = fraction_arrays(&self.names, fractions);
             let velocities;
             match &self.beside {
-                Beside::Velocity(velocity) => {
-                    velocities = cell_velocities(mesh, velocity, time);
+                Beside::Velocity => {
+                    let flow = moved.and_then(|moved| moved.flow);
+                    let rest = || vec![Vector::zeros(); mesh.grid().len()];
+                    velocities = flow.map_or_else(rest, |flow| flow.cell_velocities(mesh, time));
                     arrays.push(CellArray::vector("U", &velocities));
                 }
                 Beside::Planes(planes) => {
@@ -91,18 +90,4 @@ impl<'a, const D: usize> Series<'a, D> {
         }
         Ok(files)
     }
-}
-
-/// Velocities in the middle of all cells at one time.
-fn cell_velocities<C: Cell<D>, const D: usize>(
-    mesh: &Mesh<C, D>,
-    velocity: &Velocity,
-    time: f64,
-) -> Vec<Vector<D>> {
-    let amplitude = velocity.amplitude(time);
-    parallel::map(mesh.grid().len(), |index| {
-        let middle = mesh.cell(index).map(&Vector::repeat(0.5));
-        let velocity = velocity.field.velocity(&spatial(&middle)) * amplitude;
-        Vector::from_fn(|k, _| velocity[k])
-    })
 }

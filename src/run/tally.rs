@@ -200,6 +200,7 @@ impl Tally {
                 clipped: account.clipped,
                 rescaled: account.rescaled,
                 wisps: account.wisps,
+                dilated: account.dilated,
             },
         }
     }

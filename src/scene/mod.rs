@@ -29,7 +29,6 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
-use vofkit_geometry::Vector;
 
 pub use advection::{AdvectionSetup, Mode, Stepping, Substeps};
 pub use boundary::BoundarySetup;
@@ -39,7 +38,7 @@ pub use material::MaterialSetup;
 pub use mesh::MeshSetup;
 pub use output::OutputSetup;
 pub use quantity::QuantitySetup;
-pub use velocity::ReversalSetup;
+pub use velocity::{ReversalSetup, VelocitySetup};
 
 pub(crate) use read::read_text;
 
@@ -51,7 +50,6 @@ use crate::advection::Boundary;
 use crate::import::StructuredGrid;
 use crate::interface::Reconstruction;
 use crate::shape::Shape;
-use crate::velocity::Field;
 
 /// Where to learn what scene files can say.
 const TEMPLATE_HELP: &str = "`vofkit new disc` prints a scene with every key explained";
@@ -103,7 +101,7 @@ pub struct Resolved<const D: usize> {
     /// The quantities that belong to the mesh.
     pub fields: Vec<FieldSetup<D>>,
     /// The velocity at full amplitude.
-    pub field: Field,
+    pub field: VelocitySetup,
     /// How it changes in time.
     pub reversal: ReversalSetup,
     /// The advection.
@@ -328,7 +326,7 @@ impl<const D: usize> Resolved<D> {
         file.check_mode(advection.mode, context)?;
         let (field, reversal) = match &file.velocity {
             Some(velocity) => velocity.resolve::<D>(context)?,
-            None => (Field::Uniform { velocity: Vector::<3>::zeros() }, ReversalSetup::None),
+            None => (VelocitySetup::none(), ReversalSetup::None),
         };
         Ok(Self { still, fields, field, reversal, advection })
     }

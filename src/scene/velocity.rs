@@ -6,8 +6,9 @@ use vofkit_geometry::Vector;
 
 use super::context::{Context, Numbers, axis, default};
 use super::error::SceneError;
+use crate::import::{TimedFile, velocity_files};
 use crate::space::spatial;
-use crate::velocity::Field;
+use crate::velocity::{Divergence, Field};
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, expecting = "a table with field, reversal")]
@@ -46,6 +47,12 @@ pub(super) enum FieldChoice {
         #[serde(default = "axial_radius")]
         radius: Spanned<f64>,
     },
+    File {
+        /// A structured grid or a series of them, its path relative to the folder of the scene file.
+        path: Spanned<String>,
+        #[serde(default = "no_divergence")]
+        divergence: Spanned<String>,
+    },
 }
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -69,12 +76,42 @@ fn no_reversal() -> Spanned<ReversalChoice> {
     default(ReversalChoice::None)
 }
 
+fn no_divergence() -> Spanned<String> {
+    default("error".to_owned())
+}
+
 fn axial_speed() -> Spanned<f64> {
     default(1.0)
 }
 
 fn axial_radius() -> Spanned<f64> {
     default(0.5)
+}
+
+/// Where the velocity comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum VelocitySetup {
+    /// A field with a formula, at full amplitude.
+    Formula(Field),
+    /// Structured grids with a velocity, each with its time.
+    Files {
+        /// The files in the order of their times.
+        files: Vec<TimedFile>,
+        /// What becomes of the divergence of the velocity.
+        divergence: Divergence,
+    },
+}
+
+impl VelocitySetup {
+    /// Nothing moves.
+    pub(super) fn none() -> Self {
+        Self::Formula(Field::Uniform { velocity: Vector::<3>::zeros() })
+    }
+
+    /// The number of files.
+    pub(crate) fn files(&self) -> usize {
+        if let Self::Files { files, .. } = self { files.len() } else { 0 }
+    }
 }
 
 /// When the velocity changes its direction, as the scene says it.
@@ -103,10 +140,10 @@ impl VelocitySection {
     pub(super) fn resolve<const D: usize>(
         &self,
         context: Context<'_>,
-    ) -> Result<(Field, ReversalSetup), SceneError> {
+    ) -> Result<(VelocitySetup, ReversalSetup), SceneError> {
         let reversal = self.reversal(context)?;
         let (field, period) = self.field::<D>(context)?;
-        if D == 2 && !field.is_planar() {
+        if D == 2 && matches!(&field, VelocitySetup::Formula(field) if !field.is_planar()) {
             return Err(context.error(
                 self.field.span(),
                 "this velocity field needs three dimensions",
@@ -125,9 +162,12 @@ impl VelocitySection {
     }
 
     /// The field and its period.
-    fn field<const D: usize>(&self, context: Context<'_>) -> Result<(Field, Option<f64>), SceneError> {
+    fn field<const D: usize>(
+        &self,
+        context: Context<'_>,
+    ) -> Result<(VelocitySetup, Option<f64>), SceneError> {
         let period = |value: &Spanned<f64>| context.positive("the period", value).map(Some);
-        Ok(match self.field.get_ref() {
+        let (field, period) = match self.field.get_ref() {
             FieldChoice::Uniform { velocity } => {
                 let velocity: Vector<D> = context.vector("the velocity", velocity)?;
                 (Field::Uniform { velocity: spatial(&velocity) }, None)
@@ -150,7 +190,11 @@ impl VelocitySection {
                 let radius = context.positive("the radius of the axial flow", radius)?;
                 (Field::Shear3d { speed, radius }, period(p)?)
             }
-        })
+            FieldChoice::File { path, divergence } => {
+                return Ok((files(path, divergence, context)?, None));
+            }
+        };
+        Ok((VelocitySetup::Formula(field), period))
     }
 
     fn reversal(&self, context: Context<'_>) -> Result<ReversalSetup, SceneError> {
@@ -177,4 +221,18 @@ impl VelocitySection {
             )),
         }
     }
+}
+
+/// The files of a velocity.
+fn files(
+    path: &Spanned<String>,
+    divergence: &Spanned<String>,
+    context: Context<'_>,
+) -> Result<VelocitySetup, SceneError> {
+    let known =
+        [("error", Divergence::Error), ("project", Divergence::Project), ("dilate", Divergence::Dilate)];
+    let divergence = context.word("the divergence", divergence, &known, &[])?;
+    let files = velocity_files(context.source.beside(path.get_ref()))
+        .map_err(|error| context.error(path.span(), error.to_string(), error.help()))?;
+    Ok(VelocitySetup::Files { files, divergence })
 }

@@ -33,6 +33,7 @@ const VALUES: &[(&[&str], &str)] = &[
     (&["reversed_vortex", "deformation_3d", "cosine"], "{ period = 3.0 }"),
     (&["shear_3d"], "{ period = 3.0, speed = 1.0, radius = 0.5 }"),
     (&["flip"], "{ step = 100 }"),
+    (&["file"], "{ path = \"flow.vts\" }"),
     (&["constant"], "{ value = 1.0 }"),
     (&["square_wave"], "{ from = 0.1, to = 0.4, value = 1.0 }"),
     (&["circular_wave"], "{ centre = [..], radius = 0.2, value = 1.0 }"),

@@ -9,6 +9,7 @@
 use vofkit_geometry::{Cell, Vector};
 
 use super::Field;
+use super::sampled::SampledFluxes;
 use crate::mesh::{Grid, Mesh};
 use crate::parallel;
 use crate::quanta::Quanta;
@@ -48,7 +49,17 @@ pub struct FluxRange {
 
 /// The volumes that cross the faces in one step.
 #[derive(Clone, Copy, Debug)]
-pub struct StepFluxes<'a, const D: usize> {
+pub struct StepFluxes<'a, const D: usize>(Source<'a, D>);
+
+#[derive(Clone, Copy, Debug)]
+enum Source<'a, const D: usize> {
+    Edges(EdgeFluxes<'a, D>),
+    Sampled(SampledFluxes<'a, D>),
+}
+
+/// Those of a field with a potential.
+#[derive(Clone, Copy, Debug)]
+struct EdgeFluxes<'a, const D: usize> {
     source: &'a FaceFluxes<D>,
     duration: f64,
     quanta: Quanta,
@@ -105,28 +116,18 @@ impl<const D: usize> FaceFluxes<D> {
 
     /// The Courant number of a step per unit of time: the largest face flux over the volume of its donor, at full amplitude.
     pub fn courant_rate<C: Cell<D>>(&self, mesh: &Mesh<C, D>) -> f64 {
-        let unit = self.step(1.0);
-        largest_over_cells(mesh, |offset| {
-            let outward = |face: usize| {
-                let flux = unit.through(offset, face / 2, face % 2);
-                if face % 2 == 1 { flux } else { -flux }
-            };
-            (0..C::FACES).map(outward).fold(0.0, f64::max)
-        })
+        self.step(1.0).courant(mesh)
     }
 
     /// The largest sum of the fluxes out of a cell in a step of this duration, relative to its volume, without sign.
     pub fn largest_divergence<C: Cell<D>>(&self, mesh: &Mesh<C, D>, duration: f64) -> f64 {
-        let fluxes = self.step(duration);
-        largest_over_cells(mesh, |offset| {
-            let net = |axis: usize| fluxes.through(offset, axis, 1) - fluxes.through(offset, axis, 0);
-            (0..D).map(net).sum::<f64>().abs()
-        })
+        self.step(duration).largest_divergence(mesh)
     }
 
     /// The volumes that cross the faces while the steady field acts for `duration`.
     pub fn step(&self, duration: f64) -> StepFluxes<'_, D> {
-        StepFluxes { source: self, duration, quanta: Quanta::new(self.largest * duration.abs()) }
+        let quanta = Quanta::new(self.largest * duration.abs());
+        StepFluxes(Source::Edges(EdgeFluxes { source: self, duration, quanta }))
     }
 }
 
@@ -139,9 +140,68 @@ fn largest_over_cells<C: Cell<D>, const D: usize>(
     parallel::map(mesh.grid().len(), of_cell).into_iter().fold(0.0, f64::max)
 }
 
-impl<const D: usize> StepFluxes<'_, D> {
+impl<'a, const D: usize> StepFluxes<'a, D> {
+    pub(super) fn sampled(fluxes: SampledFluxes<'a, D>) -> Self {
+        Self(Source::Sampled(fluxes))
+    }
+
     /// The volume that crosses face `2 axis + side` of the cell at `offset` towards higher indices.
-    pub fn through(&self, mut offset: [usize; D], axis: usize, side: usize) -> f64 {
+    pub fn through(&self, offset: [usize; D], axis: usize, side: usize) -> f64 {
+        match &self.0 {
+            Source::Edges(fluxes) => fluxes.through(offset, axis, side),
+            Source::Sampled(fluxes) => fluxes.through(offset, axis, side),
+        }
+    }
+
+    /// The same through all faces of the cell at `offset`.
+    pub fn of_cell(&self, offset: [usize; D]) -> [f64; 6] {
+        match &self.0 {
+            Source::Edges(fluxes) => fluxes.of_cell(offset),
+            Source::Sampled(fluxes) => std::array::from_fn(|face| match face < 2 * D {
+                true => fluxes.through(offset, face / 2, face % 2),
+                false => 0.0,
+            }),
+        }
+    }
+
+    /// The sum of what leaves the cell at `offset` through all faces.
+    pub fn net(&self, offset: [usize; D]) -> f64 {
+        (0..D).map(|axis| self.through(offset, axis, 1) - self.through(offset, axis, 0)).sum()
+    }
+
+    /// The Courant number: the largest volume that crosses a face over that of its donor.
+    pub fn courant<C: Cell<D>>(&self, mesh: &Mesh<C, D>) -> f64 {
+        largest_over_cells(mesh, |offset| {
+            let outward = |face: usize| {
+                let flux = self.through(offset, face / 2, face % 2);
+                if face % 2 == 1 { flux } else { -flux }
+            };
+            (0..C::FACES).map(outward).fold(0.0, f64::max)
+        })
+    }
+
+    /// The largest sum of what leaves a cell, relative to its volume, without sign.
+    pub fn largest_divergence<C: Cell<D>>(&self, mesh: &Mesh<C, D>) -> f64 {
+        largest_over_cells(mesh, |offset| self.net(offset).abs())
+    }
+
+    /// What the volumes are multiples of.
+    pub(crate) fn quanta(&self) -> Quanta {
+        match &self.0 {
+            Source::Edges(fluxes) => fluxes.quanta,
+            Source::Sampled(fluxes) => fluxes.quanta,
+        }
+    }
+
+    /// A volume rounded to the step's power of two, for fluxes that are to be added exactly.
+    pub fn round(&self, volume: f64) -> f64 {
+        self.quanta().round(volume)
+    }
+}
+
+impl<const D: usize> EdgeFluxes<'_, D> {
+    /// See [`StepFluxes::through`].
+    fn through(&self, mut offset: [usize; D], axis: usize, side: usize) -> f64 {
         let grid = &self.source.grid;
         let cells = grid.cells();
         offset[axis] += side;
@@ -164,8 +224,8 @@ impl<const D: usize> StepFluxes<'_, D> {
         flux
     }
 
-    /// The same through all faces of the cell at `offset`.
-    pub fn of_cell(&self, offset: [usize; D]) -> [f64; 6] {
+    /// See [`StepFluxes::of_cell`].
+    fn of_cell(&self, offset: [usize; D]) -> [f64; 6] {
         let (cells, periodic) = (self.source.grid.cells(), self.source.grid.periodic());
         let mut through = [0.0; 6];
         if (0..D).any(|k| periodic[k] && offset[k] + 1 == cells[k]) {
@@ -191,21 +251,6 @@ impl<const D: usize> StepFluxes<'_, D> {
     }
 
     fn scaled(&self, edge: f64) -> f64 {
-        self.round(edge * self.duration)
-    }
-
-    /// For how long the steady field acts in the step; negative backwards.
-    pub fn duration(&self) -> f64 {
-        self.duration
-    }
-
-    /// What the volumes are multiples of.
-    pub(crate) fn quanta(&self) -> Quanta {
-        self.quanta
-    }
-
-    /// A volume rounded to the step's power of two, for fluxes that are to be added exactly.
-    pub fn round(&self, volume: f64) -> f64 {
-        self.quanta.round(volume)
+        self.quanta.round(edge * self.duration)
     }
 }

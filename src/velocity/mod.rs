@@ -1,14 +1,25 @@
-//! Velocity fields with a potential, and their integrals over faces and steps.
+//! Velocities, and their integrals over faces and steps.
 //!
-//! A velocity is a steady [`Field`] times a function of time ([`Reversal`]). Every field is the curl of a vector potential
-//! (2D: of a stream function along z), so the volume that crosses a face is a sum over its edges ([`FaceFluxes`]) and
-//! vanishes when summed over a closed cell, on any mesh.
+//! - [`Field`]: steady fields, each the curl of a vector potential (2D: of a stream function along z), so that the volume that crosses a face is a sum
+//!   over its edges ([`FaceFluxes`]) and vanishes when summed over a closed cell, on any mesh;
+//! - this file: a [`Velocity`], which is a field times a function of time ([`Reversal`]);
+//! - [`Sampled`]: velocities at the nodes of a mesh and at given times in place of a field, with `faces`: their fluxes, and `projection`: these made
+//!   free of divergence;
+//! - [`Flow`]: either on a mesh, which is all that advection sees; `trace`: where what is at the nodes comes from.
 
+mod faces;
 mod field;
+mod flow;
 mod flux;
+mod projection;
+mod sampled;
+mod trace;
 
 pub use field::Field;
+pub use flow::{Flow, FlowStep};
 pub use flux::{FaceFluxes, FluxRange, StepFluxes};
+pub use sampled::{Divergence, Sampled, SampledError};
+pub(crate) use trace::NodalMotion;
 
 use std::f64::consts::PI;
 
@@ -43,16 +54,16 @@ pub struct Velocity {
     pub reversal: Reversal,
 }
 
-impl Velocity {
+impl Reversal {
     /// The integral of the amplitude from `start` to `end`: for how long the steady field would have to act.
     pub fn duration(&self, start: f64, end: f64) -> f64 {
-        match self.reversal {
-            Reversal::None => end - start,
-            Reversal::Cosine { period } => {
+        match *self {
+            Self::None => end - start,
+            Self::Cosine { period } => {
                 let middle = PI * (start + end) / (2.0 * period);
                 2.0 * period / PI * middle.cos() * (PI * (end - start) / (2.0 * period)).sin()
             }
-            Reversal::Flip { time } => {
+            Self::Flip { time } => {
                 let before = |t: f64| if t <= time { t } else { 2.0 * time - t };
                 before(end) - before(start)
             }
@@ -61,10 +72,10 @@ impl Velocity {
 
     /// The amplitude at one time.
     pub fn amplitude(&self, time: f64) -> f64 {
-        match self.reversal {
-            Reversal::None => 1.0,
-            Reversal::Cosine { period } => (PI * time / period).cos(),
-            Reversal::Flip { time: flip } => {
+        match *self {
+            Self::None => 1.0,
+            Self::Cosine { period } => (PI * time / period).cos(),
+            Self::Flip { time: flip } => {
                 if time < flip {
                     1.0
                 } else {
@@ -72,6 +83,18 @@ impl Velocity {
                 }
             }
         }
+    }
+}
+
+impl Velocity {
+    /// See [`Reversal::duration`].
+    pub fn duration(&self, start: f64, end: f64) -> f64 {
+        self.reversal.duration(start, end)
+    }
+
+    /// See [`Reversal::amplitude`].
+    pub fn amplitude(&self, time: f64) -> f64 {
+        self.reversal.amplitude(time)
     }
 }
 

@@ -14,7 +14,7 @@ use super::update;
 use crate::advection::StepError;
 use crate::mesh::{Grid, Mesh, SweptVolumes};
 use crate::parallel;
-use crate::velocity::FaceFluxes;
+use crate::velocity::StepFluxes;
 
 /// What carries a quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -163,20 +163,18 @@ impl<const D: usize> VolumeTransport<D> {
         }
     }
 
-    /// Moves `values[quantity][cell]` in flow mode, while the field of the fluxes acts for `duration`. The order of the sweeps follows
-    /// `step`.
+    /// Moves `values[quantity][cell]` in flow mode, by the fluxes of a step. The order of the sweeps follows `step`.
     ///
     /// # Errors
     /// See [`TransportError`]; the values are then as before.
     pub fn flow(
         &mut self,
-        fluxes: &FaceFluxes<D>,
-        duration: f64,
+        fluxes: &StepFluxes<'_, D>,
         step: usize,
         quantities: &[Quantity],
         values: &mut [Vec<f64>],
     ) -> Result<FieldLedger, TransportError> {
-        self.crossing.set_flow(&self.grid, &fluxes.step(duration));
+        self.crossing.set_flow(&self.grid, fluxes);
         self.step(step, quantities, values)
     }
 

@@ -8,17 +8,15 @@ use crate::profile::Profile;
 use crate::scene::{FieldSetup, Resolved};
 use crate::shape::Rotation;
 use crate::space::planar;
-use crate::velocity::{RigidMotion, Velocity};
+use crate::velocity::RigidMotion;
 
-/// The profiles of the components of each field after the motion of the material from the start to `time`; none where they are not known:
+/// The profiles of the components of each field after the motion of the material; none where they are not known:
 /// they deform, or something else flows in than what was there.
 pub(in crate::run) fn exact<C: Cell<D>, const D: usize>(
     scene: &Resolved<D>,
     mesh: &Mesh<C, D>,
-    velocity: &Velocity,
-    time: f64,
+    motion: Option<RigidMotion>,
 ) -> Vec<Option<Vec<Profile<D>>>> {
-    let motion = velocity.rigid_motion(0.0, time);
     let of_field = |setup: &FieldSetup<D>| {
         let profiles = setup.initial.iter().enumerate();
         profiles.map(|(component, profile)| moved(profile, setup, component, mesh, motion)).collect()

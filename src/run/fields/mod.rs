@@ -28,8 +28,7 @@ use crate::mesh::{Mesh, SweptVolumes};
 use crate::profile::Profile;
 use crate::report::FieldSummary;
 use crate::scene::{FieldSetup, Location, Method, Part, Resolved, SceneError, Substeps};
-use crate::space::{planar, spatial};
-use crate::velocity::{Field, Velocity};
+use crate::velocity::FlowStep;
 use crate::volume_associated::{
     FieldLedger, PointError, PointTransport, Quantity, Splitting, TransportError, VolumeTransport, Weighting,
     points,
@@ -187,7 +186,6 @@ impl<'a, const D: usize> Fields<'a, D> {
     pub(super) fn step<C: Cell<D>>(
         &mut self,
         mover: &Mover<'_, C, D>,
-        velocity: &Velocity,
         [start, end]: [f64; 2],
         run_end: f64,
         step: usize,
@@ -208,9 +206,9 @@ impl<'a, const D: usize> Fields<'a, D> {
             place = Some(path.mesh(end / run_end).map_err(StepError::from)?);
         }
         let after = place.as_ref().unwrap_or(before);
-        let duration = velocity.duration(start, end);
-        let moved = self.cross_faces(mover, after, duration, step).and_then(|ledger| {
-            self.move_points(before, after, &velocity.field, duration)?;
+        let flow = mover.flow().map(|flow| flow.step(start, end));
+        let moved = self.cross_faces(mover, after, flow.as_ref(), step).and_then(|ledger| {
+            self.move_points(before, after, flow.as_ref())?;
             Ok(ledger)
         });
         let ledger = match moved {
@@ -245,14 +243,15 @@ impl<'a, const D: usize> Fields<'a, D> {
         &mut self,
         mover: &Mover<'_, C, D>,
         after: &Mesh<C, D>,
-        duration: f64,
+        flow: Option<&FlowStep<'_, D>>,
         step: usize,
     ) -> Result<FieldLedger, TransportError> {
         let Self { transport, quantities, state, .. } = self;
         let means = &mut state.means[..quantities.len()];
-        match mover {
-            Mover::Flow(materials) => transport.flow(materials.fluxes(), duration, step, quantities, means),
-            Mover::Remesh { at, .. } => {
+        match flow {
+            Some(flow) => transport.flow(&flow.fluxes(), step, quantities, means),
+            None => {
+                let at = mover.mesh();
                 transport.set_mesh(at);
                 let swept = SweptVolumes::new(at, after).map_err(StepError::from)?;
                 transport.remesh(&swept, step, quantities, means)
@@ -265,14 +264,14 @@ impl<'a, const D: usize> Fields<'a, D> {
         &mut self,
         before: &Mesh<C, D>,
         after: &Mesh<C, D>,
-        field: &Field,
-        duration: f64,
+        flow: Option<&FlowStep<'_, D>>,
     ) -> Result<(), PointError> {
         let Self { points: Some(transport), state, ranges, setups, .. } = self else { return Ok(()) };
-        let relative = |(old, new): (&Vector<D>, &Vector<D>)| {
-            planar::<D>(&(field.velocity(&spatial(old)) * duration)) + old - new
+        let relative = |(node, (old, new)): (usize, (&Vector<D>, &Vector<D>))| {
+            flow.map_or_else(Vector::zeros, |flow| flow.straight(before, node)) + old - new
         };
-        let displacement: Vec<Vector<D>> = before.nodes().iter().zip(after.nodes()).map(relative).collect();
+        let places = before.nodes().iter().zip(after.nodes()).enumerate();
+        let displacement: Vec<Vector<D>> = places.map(relative).collect();
         for (k, setup) in setups.iter().enumerate() {
             let Method::Points(scheme) = setup.method else { continue };
             for (number, mean) in state.means[ranges[k].clone()].iter_mut().enumerate() {
