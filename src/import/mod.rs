@@ -62,18 +62,14 @@ impl StructuredGrid {
             section == "Points" || section == "CellData" && name.starts_with(ALPHA)
         };
         let document = Document::parse(path, &bytes, "StructuredGrid", &wanted)?;
-        let fractions = document.cell_arrays(ALPHA, document.node_counts()?)?;
-        Self::of(path, &document, fractions)
+        Self::of(path, &document)
     }
 
-    /// The grid of a file with these fractions.
-    fn of(
-        path: &Path,
-        document: &Document<'_>,
-        fractions: Vec<(String, Vec<f64>)>,
-    ) -> Result<Self, ImportError> {
+    /// The grid of a file with the fractions that were wanted of it.
+    fn of(path: &Path, document: &Document<'_>) -> Result<Self, ImportError> {
         let counts = document.node_counts()?;
         let nodes = document.points(counts.iter().product())?;
+        let fractions = document.cell_arrays(ALPHA, counts)?;
         let cells: Vec<usize> = counts.iter().filter(|&&count| count > 1).map(|count| count - 1).collect();
         let mut grid = Self { path: path.to_owned(), cells, nodes, fractions, reversed: false, divided: 0 };
         match *grid.cells.as_slice() {

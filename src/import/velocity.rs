@@ -45,7 +45,7 @@ impl NodalVelocity {
             name == VELOCITY
         };
         let document = Document::parse(path, &bytes, "StructuredGrid", &wanted)?;
-        let grid = StructuredGrid::of(path, &document, Vec::new())?;
+        let grid = StructuredGrid::of(path, &document)?;
         let at_nodes = document.array("PointData", VELOCITY)?.is_some();
         let section = if at_nodes { "PointData" } else { "CellData" };
         let Some(array) = document.array(section, VELOCITY)? else {
