@@ -7,8 +7,8 @@
 //! dF = w (p_above - p_below),   w = area / distance,   A p = sum of the fluxes out of each cell
 //! ```
 //!
-//! with the graph Laplacian `A` of the cells, whose edges are the faces with weights `w`. Faces at the ends of the mesh that nothing crosses stay
-//! closed (`w = 0`); beyond open ones the pressure is 0. The system is solved by conjugate gradients with the diagonal as preconditioner,
+//! with the graph Laplacian `A` of the cells, whose edges are the faces with weights `w`. Faces at the ends of the mesh that nothing but
+//! rounding crosses stay as they are (`w = 0`); beyond open ones the pressure is 0. The system is solved by conjugate gradients with the diagonal as preconditioner,
 //! again for what rounding left of the divergence, until nothing but rounding is left.
 
 use nalgebra::DVector;
@@ -19,6 +19,7 @@ use super::faces::{Face, Faces, area, beside, nodes};
 use crate::mesh::Mesh;
 use crate::tolerance::{
     PROJECTION_ITERATIONS, PROJECTION_REDUCTION, PROJECTION_RESIDUAL, PROJECTION_ROUNDING, PROJECTION_ROUNDS,
+    WALL_ROUNDING,
 };
 
 /// Makes the fluxes free of divergence.
@@ -34,7 +35,7 @@ pub(super) fn project<C: Cell<D>, const D: usize>(
         return Ok(());
     }
     let grid = mesh.grid();
-    let system = System::new(mesh, fluxes);
+    let system = System::new(mesh, fluxes, WALL_ROUNDING * largest);
     let (mut iterations, mut before) = (0, f64::INFINITY);
     for round in 0..=PROJECTION_ROUNDS {
         let sums = (0..grid.len()).map(|cell| fluxes.balance(grid.offset(cell))[0]);
@@ -69,11 +70,12 @@ struct System<const D: usize> {
 }
 
 impl<const D: usize> System<D> {
-    fn new<C: Cell<D>>(mesh: &Mesh<C, D>, fluxes: &Faces<D>) -> Self {
+    /// Faces at the ends of the mesh whose flux is at most `closed` stay as they are.
+    fn new<C: Cell<D>>(mesh: &Mesh<C, D>, fluxes: &Faces<D>, closed: f64) -> Self {
         let grid = mesh.grid();
         let mut weights = Faces::new(grid, |face| {
             let is_end = [0, 1].iter().any(|&side| beside(grid, face, side).is_none());
-            if is_end && fluxes.of_face(face) == 0.0 { 0.0 } else { weight(mesh, face) }
+            if is_end && fluxes.of_face(face).abs() <= closed { 0.0 } else { weight(mesh, face) }
         });
         let mut matrix = CooMatrix::new(grid.len(), grid.len());
         let mut diagonal = DVector::zeros(grid.len());

@@ -62,6 +62,22 @@ fn ends_of_all_kinds_are_kept() {
     assert!(net.abs() <= 1e-13 * mesh.total_volume(), "{net:e}");
 }
 
+/// The walls beside an inlet stay closed although rounding crosses them.
+#[test]
+fn parts_of_open_ends_stay_closed() {
+    let mesh: Mesh2 = unit_mesh(16, Distortion::None);
+    let speed = |x: &Vector<2>| {
+        let inlet = (x[1] - 0.25) * (0.75 - x[1]);
+        Vector::<2>::new(if inlet > 0.0 { inlet } else { 1e-17 }, 0.0) * (1.0 - 0.5 * x[0])
+    };
+    let velocities: Vec<Vector<2>> = mesh.nodes().iter().map(speed).collect();
+    let samples = Sampled::new(&mesh, vec![(0.0, velocities)], Divergence::Project).expect("a projection");
+    let flow = Flow::sampled(samples, Reversal::None);
+    assert!(flow.largest_divergence(&mesh, 1.0 / flow.courant_rate(&mesh)) <= 1e-13);
+    let through = |j: usize| flow.largest_flux([0, j], 0, 0);
+    assert!((0..16).all(|j| if (4..12).contains(&j) { through(j) > 1e-4 } else { through(j) <= 1e-16 }));
+}
+
 #[test]
 fn a_divergence_is_an_error_unless_asked_for() {
     let mesh: Mesh2 = unit_mesh(8, random(0.2, 1));
