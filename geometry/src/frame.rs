@@ -70,17 +70,27 @@ impl<const D: usize> Frame<D> {
     /// A normal in the frame, for a cell with the first node at `x0`, in the frame at `y0`.
     #[inline(always)]
     pub(crate) fn along(&self, normal: &Vector<D>, x0: &Vector<D>, y0: &Vector<D>) -> Direction<D> {
-        let m = match &self.rest {
-            None => self.jacobian.tr_mul(normal),
-            Some(rest) => self.compensated_product(rest, normal),
-        };
-        // Relative to the largest component: products of plain ones, or of heights, could over- or underflow.
-        let largest = m.iter().fold(0.0, |largest: f64, c| if c.abs() > largest { c.abs() } else { largest });
-        let size = if largest >= f64::MIN_POSITIVE { largest } else { 1.0 };
-        let per_size = size.recip();
+        let mut m = self.product(normal);
+        let mut size = largest(&m);
+        let mut length = 1.0;
+        if size < f64::MIN_POSITIVE {
+            (m, size, length) = self.along_short(normal);
+        }
         // Divided, not multiplied by the rounded inverse, for the largest to be 1 or -1.
         let m = (m / size).map(|c| if c.abs() < DIRECTION_NEGLIGIBLE { 0.0 } else { c });
+        let size = size * length;
+        let per_size = size.max(f64::MIN_POSITIVE).recip();
         Direction { m, size, per_size, base: compensated::dot(normal, x0), first: m.dot(y0) }
+    }
+
+    /// `J^T n`, its largest component, and what both are to be multiplied by, for a normal so short that `J^T n` has lost its
+    /// digits or is nothing.
+    #[cold]
+    fn along_short(&self, normal: &Vector<D>) -> (Vector<D>, f64, f64) {
+        let length = largest(normal);
+        let m = self.product(&(normal / length));
+        let size = largest(&m);
+        if size >= f64::MIN_POSITIVE { (m, size, length) } else { (Vector::zeros(), 1.0, 1.0) }
     }
 
     /// What a plane leaves of the cell, from the volume in the frame and its derivative by the level.
@@ -93,6 +103,14 @@ impl<const D: usize> Frame<D> {
     }
 
     /// `J^T n`.
+    #[inline(always)]
+    fn product(&self, normal: &Vector<D>) -> Vector<D> {
+        match &self.rest {
+            None => self.jacobian.tr_mul(normal),
+            Some(rest) => self.compensated_product(rest, normal),
+        }
+    }
+
     #[cold]
     fn compensated_product(&self, rest: &SMatrix<f64, D, D>, normal: &Vector<D>) -> Vector<D> {
         Vector::from_fn(|axis, _| {
@@ -100,6 +118,14 @@ impl<const D: usize> Frame<D> {
             value + (lost + rest.column(axis).dot(normal))
         })
     }
+}
+
+/// The largest magnitude of a component.
+///
+/// Products of plain ones, or of heights, could over- or underflow: all of a direction is relative to it.
+#[inline(always)]
+fn largest<const D: usize>(m: &Vector<D>) -> f64 {
+    m.iter().fold(0.0, |largest: f64, c| if c.abs() > largest { c.abs() } else { largest })
 }
 
 impl<const D: usize> Direction<D> {

@@ -119,3 +119,41 @@ fn a_part_of_a_quadrilateral_far_below_rounding() {
         }
     }
 }
+
+/// A normal below the normal numbers was counted as none, and the plane constant was NaN.
+#[test]
+fn planes_along_normals_of_subnormal_length() {
+    let nodes = [
+        [0.14531249999999998, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0046875],
+        [1.11484375, 0.0, 1.0],
+        [1.0, 1.0, 1.0],
+        [0.0, 1.0, 1.0],
+    ];
+    let cells =
+        [Hexahedron::new(nodes.map(Vector::from)), Hexahedron::from_corners(|at| 1e-100 * corner(at))];
+    let short = [
+        Vector::<3>::new(1.55e-321, 1.265e-320, 0.0),
+        Vector::<3>::new(0.0, -5e-324, 0.0),
+        Vector::<3>::new(0.0, 1e-310, 1e-200),
+    ];
+    let methods = [PositionMethod::Auto, PositionMethod::Newton, PositionMethod::Brent];
+    for (cell, normal) in cells.iter().flat_map(|cell| short.map(|normal| (cell, normal))) {
+        let length = normal.amax();
+        let (unit, extent) = (normal / length, cell.nodes()[6].amax());
+        for (fraction, method) in
+            [5e-324, 2.66225591934503e-310, 0.3, 1.0].into_iter().flat_map(|f| methods.map(|m| (f, m)))
+        {
+            let found = cell.plane_constant(&normal, fraction, method).expect("a plane");
+            let exact = cell.plane_constant(&unit, fraction, method).expect("a plane");
+            let allowed = 1e-14 * extent * length + f64::from_bits(8);
+            let error = (found.constant - exact.constant * length).abs();
+            assert!(error <= allowed, "{normal:?}, {fraction:e}: {found:?}, {exact:?}");
+            let below = cell.truncate(&HalfSpace { normal, constant: found.constant });
+            assert!(below.volume.is_finite() && below.section_area.is_finite(), "{below:?}");
+        }
+    }
+}
