@@ -10,6 +10,7 @@ use vofkit_geometry::clip::{Region as Piece, Side, Tile};
 use vofkit_geometry::{Cell, HalfSpace, Vector};
 
 use super::facet::Facet;
+use super::measure::Measure;
 use super::region::Region;
 
 pub(super) type PieceOf<C, const D: usize> = <<C as Cell<D>>::Tile as Tile<D>>::Region;
@@ -32,24 +33,24 @@ impl<'a, C: Cell<D>, const D: usize> Apart<'a, C, D> {
         Self { region, anchor, facets: Vec::new(), negligible: 0.0, room: Vec::new() }
     }
 
-    /// The volume of a piece inside the region, with the facets of a range in it. `sides` are those of the surfaces that do not
+    /// The measure of the part of a piece inside the region, with the facets of a range in it. `sides` are those of the surfaces that do not
     /// cross it, and are the same afterwards; `planes` stand for all other surfaces that are not bodies.
-    pub(super) fn volume(
+    pub(super) fn integral<M: Measure<D>>(
         &mut self,
         piece: &PieceOf<C, D>,
         sides: &mut [Option<bool>],
         planes: &[(usize, HalfSpace<D>)],
         facets: Range<usize>,
-    ) -> f64 {
+    ) -> M {
         if let Some(inside) = self.region.decide(&|i| sides[i]) {
-            return if inside { piece.volume() } else { 0.0 };
+            return if inside { M::of_piece(piece) } else { M::default() };
         }
         if let [(surface, half_space), planes @ ..] = planes {
             let mut on_side = |apart: &mut Self, piece: &PieceOf<C, D>, facets, is_below| {
                 sides[*surface] = Some(is_below);
-                let volume = apart.volume(piece, sides, planes, facets);
+                let amount = apart.integral::<M>(piece, sides, planes, facets);
                 sides[*surface] = None;
-                volume
+                amount
             };
             return self.split(piece, half_space, facets, &mut on_side);
         }
@@ -62,22 +63,22 @@ impl<'a, C: Cell<D>, const D: usize> Apart<'a, C, D> {
         let half_space = self.facets[facets.start].half_space;
         let rest = facets.start + 1..facets.end;
         self.split(piece, &half_space, rest, &mut |apart, piece, facets, _| {
-            apart.volume(piece, sides, planes, facets)
+            apart.integral::<M>(piece, sides, planes, facets)
         })
     }
 
     /// Adds what `part` says of the two parts of a piece, with the facets in them.
-    fn split(
+    fn split<M: Measure<D>>(
         &mut self,
         piece: &PieceOf<C, D>,
         half_space: &HalfSpace<D>,
         facets: Range<usize>,
-        part: &mut impl FnMut(&mut Self, &PieceOf<C, D>, Range<usize>, bool) -> f64,
-    ) -> f64 {
+        part: &mut impl FnMut(&mut Self, &PieceOf<C, D>, Range<usize>, bool) -> M,
+    ) -> M {
         let mut parts =
             [(); 2].map(|()| self.room.pop().unwrap_or_else(|| Box::new(PieceOf::<C, D>::empty())));
         let [below, above] = &mut parts;
-        let volume = match piece.split(half_space, below, above) {
+        let amount = match piece.split(half_space, below, above) {
             Ok(Side::Below) => part(self, piece, facets, true),
             Ok(Side::Above) => part(self, piece, facets, false),
             Ok(Side::Across) => {
@@ -88,28 +89,30 @@ impl<'a, C: Cell<D>, const D: usize> Apart<'a, C, D> {
                         let facet = self.facets[i].part(height, self.negligible);
                         self.facets.extend(facet);
                     }
-                    let volume = part(self, piece, start..self.facets.len(), sign > 0.0);
+                    let amount = part(self, piece, start..self.facets.len(), sign > 0.0);
                     self.facets.truncate(start);
-                    volume
+                    amount
                 });
-                sides.iter().sum()
+                sides.into_iter().sum()
             }
             Err(_) => {
-                let mut sum = 0.0;
-                piece.simplices(&mut |simplex| sum += self.split(simplex, half_space, facets.clone(), part));
+                let mut sum = M::default();
+                piece.simplices(&mut |simplex| {
+                    sum = sum + self.split(simplex, half_space, facets.clone(), part)
+                });
                 sum
             }
         };
         self.room.extend(parts);
-        volume
+        amount
     }
 
-    /// The volume of a piece that no body crosses any more.
-    fn by_middle(&self, piece: &PieceOf<C, D>, sides: &[Option<bool>]) -> f64 {
+    /// The measure of a piece that no body crosses any more.
+    fn by_middle<M: Measure<D>>(&self, piece: &PieceOf<C, D>, sides: &[Option<bool>]) -> M {
         let moments = piece.moments();
         let x = moments.first / moments.volume + self.anchor;
         let by_middle = |surface: usize| self.region.surfaces[surface].body().map(|body| body.contains(&x));
         let inside = self.region.decide(&|surface| sides[surface].or_else(|| by_middle(surface)));
-        if inside == Some(true) { moments.volume } else { 0.0 }
+        if inside == Some(true) { M::of_moments(&moments) } else { M::default() }
     }
 }

@@ -10,6 +10,7 @@ use vofkit_geometry::Vector;
 
 use super::brick::{Brick, CORNERS, ball, edges};
 use super::integral::{Crossing, Problem};
+use super::measure::Measure;
 use super::region::Region;
 use super::tolerance::{
     BISECTIONS, BRICKS, FLAT, LEVEL, PAIR_BISECTIONS, QUADRATURE, REACH, ROUNDING, SECTION,
@@ -35,9 +36,14 @@ impl<'a, const D: usize> Cut<'a, D> {
         Self { sampled: true, ..Self::new(region, anchor) }
     }
 
-    /// The volume of a brick inside the region. `sides` are those of the surfaces that are known not to cross it, after
+    /// The measure of the part of a brick inside the region. `sides` are those of the surfaces that are known not to cross it, after
     /// `depth` bisections.
-    pub(super) fn volume(&mut self, brick: &Brick<D>, sides: &[Option<bool>], depth: usize) -> f64 {
+    pub(super) fn integral<M: Measure<D>>(
+        &mut self,
+        brick: &Brick<D>,
+        sides: &[Option<bool>],
+        depth: usize,
+    ) -> M {
         self.bricks += 1;
         let mut sides = sides.to_vec();
         let mut looks: Vec<Look<D>> = Vec::new();
@@ -48,7 +54,7 @@ impl<'a, const D: usize> Cut<'a, D> {
             }
         }
         if let Some(inside) = self.region.decide(&|i| sides[i]) {
-            return if inside { brick.volume() } else { 0.0 };
+            return if inside { M::of_brick(brick) } else { M::default() };
         }
         let open = self.region.open(&sides);
         looks.retain(|look| open.contains(&look.crossing.surface));
@@ -56,7 +62,10 @@ impl<'a, const D: usize> Cut<'a, D> {
         let may_bisect = !self.sampled && self.bricks < BRICKS && depth < BISECTIONS;
         if may_bisect && (plan.hard || (plan.tangled && depth < PAIR_BISECTIONS)) {
             let axis = longest(&looks);
-            return [0, 1].map(|side| self.volume(&brick.half(axis, side), &sides, depth + 1)).iter().sum();
+            return [0, 1]
+                .map(|side| self.integral::<M>(&brick.half(axis, side), &sides, depth + 1))
+                .into_iter()
+                .sum();
         }
         let scale = brick.volume().abs() + FLAT * brick.hull();
         let rounding = looks.iter().map(Look::rounding).fold(0.0, f64::max);
@@ -69,7 +78,7 @@ impl<'a, const D: usize> Cut<'a, D> {
             order: plan.order,
             tolerances,
         };
-        if self.sampled { problem.sampled(brick) } else { problem.volume(brick) }
+        if self.sampled { problem.sampled(brick) } else { problem.integral(brick) }
     }
 
     /// The side of a surface on which the brick lies, or how the surface may cross it.

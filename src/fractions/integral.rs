@@ -1,14 +1,15 @@
-//! The volume of a brick inside a region: exact along lines, adaptive across them.
+//! The volume of a brick inside a region, or its moments: exact along lines, adaptive across them.
 //!
 //! A line along the local coordinate `w` crosses each surface at closed-form places, and the Jacobian determinant on it is a
-//! quadratic in `w`; the part inside is a closed form. Its integral over `v` is a sum over pieces between events
+//! quadratic in `w`; the part inside is a closed form ([`measure`](super::measure)). Its integral over `v` is a sum over pieces between events
 //! ([`form`](super::form)) that are roots of polynomials; in 3D the integral over `u` is split at the events on the four faces
 //! that contain the direction `u`, where the section's boundary meets something new.
 
 use vofkit_geometry::Vector;
 
-use super::brick::{Brick, CORNERS, Weight, coefficients, patch, weight};
+use super::brick::{Brick, CORNERS, coefficients, patch};
 use super::form::{Form, events};
+use super::measure::Measure;
 use super::quadrature::{Breaks, fixed, integrate};
 use super::region::Region;
 
@@ -44,13 +45,14 @@ impl<const D: usize> Problem<'_, D> {
         (sign, coefficients(&brick.corners, self.order), surfaces)
     }
 
-    /// The volume of the brick inside the region.
-    pub(super) fn volume(&self, brick: &Brick<D>) -> f64 {
+    /// The measure of the part of the brick inside the region.
+    pub(super) fn integral<M: Measure<D>>(&self, brick: &Brick<D>) -> M {
         let (sign, x, surfaces) = self.ordered(brick);
-        let mut section = Section::new(self);
+        let length = brick.corners().iter().map(|x| x.amax()).fold(0.0, f64::max);
+        let mut section = Section::new(self, length);
         let mut breaks = Breaks::default();
         if D == 2 {
-            return sign * section.volume(&x, &surfaces, 0.0, &mut breaks);
+            return section.integral::<M>(&x, &surfaces, 0.0, &mut breaks).of_length(length) * sign;
         }
         let mut outer = Breaks::default();
         for side in [0.0, 1.0] {
@@ -68,31 +70,34 @@ impl<const D: usize> Problem<'_, D> {
                 events(&section.forms, &mut outer);
             }
         }
-        let integrand = |u: f64| section.volume(&x, &surfaces, u, &mut breaks);
-        sign * integrate(&mut outer, self.tolerances[0], integrand)
+        let integrand = |u: f64| section.integral::<M>(&x, &surfaces, u, &mut breaks);
+        integrate(&mut outer, self.tolerances[0], integrand).of_length(length) * sign
     }
 
     /// The same by lines at fixed places.
-    pub(super) fn sampled(&self, brick: &Brick<D>) -> f64 {
+    pub(super) fn sampled<M: Measure<D>>(&self, brick: &Brick<D>) -> M {
         let (sign, x, surfaces) = self.ordered(brick);
-        let mut section = Section::new(self);
+        let mut section = Section::new(self, 1.0);
         let mut at = |u: f64| {
-            let weight = section.at(&x, &surfaces, u);
-            fixed().map(|(v, share)| share * section.line.amount(&section.forms, &weight, v)).sum::<f64>()
+            let patch = section.at::<M>(&x, &surfaces, u);
+            fixed().map(|(v, share)| section.line.amount::<M>(&section.forms, &patch, v) * share).sum::<M>()
         };
-        sign * if D == 2 { at(0.0) } else { fixed().map(|(u, share)| share * at(u)).sum() }
+        let all = if D == 2 { at(0.0) } else { fixed().map(|(u, share)| at(u) * share).sum() };
+        all * sign
     }
 }
 
 /// The integral over one section, with the room it needs.
 struct Section<'a, const D: usize> {
     problem: &'a Problem<'a, D>,
+    /// The unit of coordinates: then no component of a measure is much larger than the volume.
+    length: f64,
     forms: Vec<Form<D>>,
     line: Line<'a, D>,
 }
 
 impl<'a, const D: usize> Section<'a, D> {
-    fn new(problem: &'a Problem<'a, D>) -> Self {
+    fn new(problem: &'a Problem<'a, D>, length: f64) -> Self {
         let mut line = Line {
             region: problem.region,
             crossings: problem.crossings,
@@ -108,32 +113,37 @@ impl<'a, const D: usize> Section<'a, D> {
             });
             line.alone = Some([inside, outside]);
         }
-        Self { problem, forms: Vec::with_capacity(problem.crossings.len()), line }
+        Self { problem, length, forms: Vec::with_capacity(problem.crossings.len()), line }
     }
 
-    /// Goes to the patch of constant `u`; returns the Jacobian determinant there.
-    fn at(&mut self, x: &[Vector<D>; CORNERS], surfaces: &[[Vector<D>; CORNERS]], u: f64) -> Weight {
+    /// Goes to the patch of constant `u`.
+    fn at<M: Measure<D>>(
+        &mut self,
+        x: &[Vector<D>; CORNERS],
+        surfaces: &[[Vector<D>; CORNERS]],
+        u: f64,
+    ) -> M::Patch {
         self.forms.clear();
         for (k, crossing) in surfaces.iter().zip(self.problem.crossings) {
             let once = crossing.once[self.problem.order[0]];
             self.forms.push(Form { curved: crossing.curved, once, k: patch(k, u) });
         }
-        weight(x, u)
+        M::patch(x, u, self.length)
     }
 
-    /// The integral of the Jacobian determinant over the part of the patch of constant `u` inside the region.
-    fn volume(
+    /// The integral over the part of the patch of constant `u` inside the region.
+    fn integral<M: Measure<D>>(
         &mut self,
         x: &[Vector<D>; CORNERS],
         surfaces: &[[Vector<D>; CORNERS]],
         u: f64,
         breaks: &mut Breaks,
-    ) -> f64 {
-        let weight = self.at(x, surfaces, u);
+    ) -> M {
+        let patch = self.at::<M>(x, surfaces, u);
         breaks.clear();
         events(&self.forms, breaks);
-        let Self { forms, line, problem } = self;
-        integrate(breaks, problem.tolerances[1], |v| line.amount(forms, &weight, v))
+        let Self { forms, line, problem, .. } = self;
+        integrate(breaks, problem.tolerances[1], |v| line.amount::<M>(forms, &patch, v))
     }
 }
 
@@ -150,16 +160,16 @@ struct Line<'a, const D: usize> {
 }
 
 impl<const D: usize> Line<'_, D> {
-    /// The integral of the Jacobian determinant over the part of the line at `v` inside the region.
-    fn amount(&mut self, forms: &[Form<D>], weight: &Weight, v: f64) -> f64 {
-        let q: [f64; 3] = std::array::from_fn(|j| weight[0][j] + v * (weight[1][j] + v * weight[2][j]));
-        let upto = |w: f64| w * (q[0] + w * (q[1] / 2.0 + w * (q[2] / 3.0)));
+    /// The integral over the part of the line at `v` inside the region.
+    fn amount<M: Measure<D>>(&mut self, forms: &[Form<D>], patch: &M::Patch, v: f64) -> M {
+        let upto = M::along(patch, v);
         if let (Some(alone), [form]) = (self.alone, forms) {
             let [low, high] = form.inside(v);
             return match alone {
                 [true, false] => upto(high) - upto(low),
                 [false, true] => upto(low) + (upto(1.0) - upto(high)),
-                [both, _] => f64::from(u8::from(both)) * upto(1.0),
+                [true, true] => upto(1.0),
+                [false, false] => M::default(),
             };
         }
         self.spans.clear();
@@ -171,7 +181,7 @@ impl<const D: usize> Line<'_, D> {
         }
         self.cuts.push(1.0);
         self.cuts.sort_unstable_by(f64::total_cmp);
-        let mut sum = 0.0;
+        let mut sum = M::default();
         let mut low = 0.0;
         for &high in &self.cuts {
             if high <= low {
@@ -182,7 +192,7 @@ impl<const D: usize> Line<'_, D> {
                 self.sides[crossing.surface] = Some(*start <= middle && middle < *end);
             }
             if self.region.decide(&|i| self.sides[i]) == Some(true) {
-                sum += upto(high) - upto(low);
+                sum = sum + (upto(high) - upto(low));
             }
             low = high;
         }

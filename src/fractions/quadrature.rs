@@ -1,6 +1,7 @@
 //! Adaptive Gauss-Legendre quadrature between break points.
 
 use std::num::NonZeroUsize;
+use std::ops::{Add, Mul};
 use std::sync::LazyLock;
 
 use gauss_quad::GaussLegendre;
@@ -84,21 +85,44 @@ pub(super) fn fixed() -> impl Iterator<Item = (f64, f64)> {
     })
 }
 
+/// What can be integrated.
+pub(super) trait Amount: Copy + Default + Add<Output = Self> + Mul<f64, Output = Self> {
+    /// The size of the Legendre coefficients that a rule does not see, extrapolated as in [`adaptive`] from the `last` two that it does, by
+    /// way of two in the `middle`: the largest among the components.
+    fn tail(last: [Self; 2], middle: [Self; 2]) -> f64;
+}
+
+impl Amount for f64 {
+    fn tail(last: [Self; 2], middle: [Self; 2]) -> f64 {
+        tail(last, middle)
+    }
+}
+
+/// [`Amount::tail`] of numbers.
+pub(super) fn tail(last: [f64; 2], middle: [f64; 2]) -> f64 {
+    let [last, middle] = [last, middle].map(|[a, b]| a.abs().max(b.abs()));
+    last * if last < middle { last / middle } else { 1.0 }
+}
+
 /// The integral over `[0, 1]` of a function that is smooth between the breaks, each smooth piece to an error below
 /// `tolerance`.
-pub(super) fn integrate(breaks: &mut Breaks, tolerance: f64, mut integrand: impl FnMut(f64) -> f64) -> f64 {
+pub(super) fn integrate<A: Amount>(
+    breaks: &mut Breaks,
+    tolerance: f64,
+    mut integrand: impl FnMut(f64) -> A,
+) -> A {
     breaks.settle();
     let ends = breaks.points.iter().copied().chain([(1.0, false)]);
     let mut budget = PIECES;
     let mut low = (0.0, false);
-    let mut sum = 0.0;
+    let mut sum = A::default();
     for high in ends {
         let segment = Segment { low: low.0, width: high.0 - low.0, roots: [low.1, high.1] };
         let mut substituted = |t: f64| {
             let (x, derivative) = segment.place(t);
-            derivative * integrand(x)
+            integrand(x) * derivative
         };
-        sum += adaptive(&mut substituted, 0.0, 1.0, tolerance, &mut budget);
+        sum = sum + adaptive(&mut substituted, 0.0, 1.0, tolerance, &mut budget);
         low = high;
     }
     sum
@@ -130,15 +154,20 @@ impl Segment {
 /// The rule with `n` nodes is wrong by the Legendre coefficients from `2 n` on. They are extrapolated from the decay between the
 /// middle and the last of the `n` that the nodes determine: `|c_last| |c_last / c_middle|`, which a smooth integrand meets with the
 /// square of the ratio. The spare power catches features that the nodes barely see.
-fn adaptive(f: &mut impl FnMut(f64) -> f64, low: f64, width: f64, tolerance: f64, budget: &mut usize) -> f64 {
+fn adaptive<A: Amount>(
+    f: &mut impl FnMut(f64) -> A,
+    low: f64,
+    width: f64,
+    tolerance: f64,
+    budget: &mut usize,
+) -> A {
     let rule = &*RULE;
-    let values: [f64; NODES] = std::array::from_fn(|i| f(low + width * rule.nodes[i]));
-    let dot = |weights: &[f64; NODES]| weights.iter().zip(&values).map(|(w, v)| w * v).sum::<f64>();
-    let largest = |pair: &[[f64; NODES]; 2]| dot(&pair[0]).abs().max(dot(&pair[1]).abs());
-    let (last, middle) = (largest(&rule.last), largest(&rule.middle));
-    let decay = if last < middle { last / middle } else { 1.0 };
-    if width * last * decay <= tolerance || *budget == 0 {
-        return width * dot(&rule.weights);
+    let values: [A; NODES] = std::array::from_fn(|i| f(low + width * rule.nodes[i]));
+    let dot =
+        |weights: &[f64; NODES]| weights.iter().zip(&values).fold(A::default(), |sum, (w, v)| sum + *v * *w);
+    let unseen = A::tail(rule.last.each_ref().map(dot), rule.middle.each_ref().map(dot));
+    if width * unseen <= tolerance || *budget == 0 {
+        return dot(&rule.weights) * width;
     }
     *budget -= 1;
     let half = 0.5 * width;

@@ -10,6 +10,7 @@ use super::apart::{Apart, PieceOf};
 use super::brick::{Brick, ball, bits, edges};
 use super::cut::Cut;
 use super::facet::Facet;
+use super::measure::Measure;
 use super::region::Region;
 use super::tolerance::{
     BODY_BISECTIONS, COPLANAR, CROWD_BISECTIONS, MEETING_BISECTIONS, MEETING_REACH, MOST_TRIANGLES,
@@ -30,14 +31,19 @@ impl<'a, C: Cell<D>, const D: usize> Solid<'a, C, D> {
         Self { region, anchor, work: Workspace::new(), apart: Apart::new(region, anchor) }
     }
 
-    /// The volume of a brick inside the region. `sides` are those of the surfaces that are known not to cross it, after `depth`
+    /// The measure of the part of a brick inside the region. `sides` are those of the surfaces that are known not to cross it, after `depth`
     /// bisections.
-    pub(super) fn volume(&mut self, brick: &Brick<D>, sides: &[Option<bool>], depth: usize) -> f64 {
+    pub(super) fn integral<M: Measure<D>>(
+        &mut self,
+        brick: &Brick<D>,
+        sides: &[Option<bool>],
+        depth: usize,
+    ) -> M {
         let region = self.region;
         let mut sides = sides.to_vec();
         let reach = self.look(brick, &mut sides);
         if let Some(inside) = region.decide(&|i| sides[i]) {
-            return if inside { brick.volume() } else { 0.0 };
+            return if inside { M::of_brick(brick) } else { M::default() };
         }
         let (middle, _) = brick.ball();
         let triangles = self.apart.facets.len();
@@ -50,12 +56,15 @@ impl<'a, C: Cell<D>, const D: usize> Solid<'a, C, D> {
         }
         let open = region.open(&sides);
         if open.iter().all(|&surface| region.surfaces[surface].body().is_none()) {
-            return Cut::new(region, self.anchor).volume(brick, &sides, 0);
+            return Cut::new(region, self.anchor).integral(brick, &sides, 0);
         }
         let is_bent = (reach > MEETING_REACH || warp(brick) > WARP) && depth < MEETING_BISECTIONS;
         if is_crowded || is_bent {
             let axis = longest(brick);
-            return [0, 1].map(|side| self.volume(&brick.half(axis, side), &sides, depth + 1)).iter().sum();
+            return [0, 1]
+                .map(|side| self.integral::<M>(&brick.half(axis, side), &sides, depth + 1))
+                .into_iter()
+                .sum();
         }
         let planes = open.into_iter().filter(|&surface| region.surfaces[surface].body().is_none());
         let planes: Vec<(usize, HalfSpace<D>)> = planes
@@ -95,12 +104,12 @@ impl<'a, C: Cell<D>, const D: usize> Solid<'a, C, D> {
         reach
     }
 
-    fn taken_apart(
+    fn taken_apart<M: Measure<D>>(
         &mut self,
         brick: &Brick<D>,
         mut sides: Vec<Option<bool>>,
         planes: &[(usize, HalfSpace<D>)],
-    ) -> f64 {
+    ) -> M {
         let [lower, upper] = bounds(brick.corners());
         let size = upper - lower;
         // With a margin, so that the faces of the tile cut and not those of the box around it.
@@ -112,9 +121,9 @@ impl<'a, C: Cell<D>, const D: usize> Solid<'a, C, D> {
         let Self { work, apart, .. } = self;
         apart.negligible = COPLANAR * size.amax();
         let facets = 0..apart.facets.len();
-        let mut sum = 0.0;
+        let mut sum = M::default();
         let common = tile.common(&around, work, &mut |sign, piece| {
-            sum += sign * apart.volume(piece, &mut sides, planes, facets.clone());
+            sum = sum + apart.integral::<M>(piece, &mut sides, planes, facets.clone()) * sign;
         });
         // A box has room for the planes of a tile.
         debug_assert!(common.is_ok());

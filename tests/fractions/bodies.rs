@@ -12,12 +12,12 @@ use super::{V2, V3, distortions, tilt, unit_mesh};
 
 type Triangles = Vec<[V3; 3]>;
 
-fn body<const D: usize>(surface: &[[Vector<D>; D]]) -> Shape<D> {
+pub(super) fn body<const D: usize>(surface: &[[Vector<D>; D]]) -> Shape<D> {
     Shape::Body(Arc::new(Body::new(surface).expect("the surface is closed")))
 }
 
 /// The twelve triangles of a box.
-fn box_surface(centre: V3, lengths: V3, rotation: &Rotation<3>) -> Triangles {
+pub(super) fn box_surface(centre: V3, lengths: V3, rotation: &Rotation<3>) -> Triangles {
     let cell = Hexahedron::from_corners(|offset| {
         let half = V3::from_fn(|k, _| lengths[k] * (offset[k] as f64 - 0.5));
         centre + rotation.apply(&half)
@@ -53,7 +53,7 @@ fn loop_of(points: &[[f64; 2]]) -> Vec<[V2; 2]> {
     (0..points.len()).map(|i| [points[i].into(), points[(i + 1) % points.len()].into()]).collect()
 }
 
-fn star(centre: V2, points: usize, radii: [f64; 2]) -> Vec<[V2; 2]> {
+pub(super) fn star(centre: V2, points: usize, radii: [f64; 2]) -> Vec<[V2; 2]> {
     let corner = |i: usize| {
         let angle = PI * i as f64 / points as f64 + 0.1;
         (centre + V2::new(angle.cos(), angle.sin()) * radii[i % 2]).into()

@@ -1,6 +1,7 @@
 //! Shapes on meshes: totals against closed forms, identities of sets, invariance, agreement with the kernel.
 
 mod bodies;
+mod centroids;
 #[path = "../common/mod.rs"]
 mod common;
 #[cfg(all(feature = "cli", feature = "surface", feature = "obj", feature = "vtk"))]
