@@ -70,6 +70,14 @@ pub const CELL_PART: f64 = 1e-3;
 /// The turn over which derivatives of a centroid are differences: the rounding of a centroid over it is as large as its square.
 pub const CENTROID_TURN: f64 = 1e-6;
 
+/// A distance of centroids, relative to the size of the smaller part, above which a descent is repeated from other starts. Along a circle
+/// with a radius of three cells planes come nearer; what stays above are corners, films, and minima that are none of the interface's.
+pub const CENTROID_NEAR: f64 = 5e-2;
+
+/// Descents in a row towards a centroid: small parts that lie along an edge have long narrow valleys, and one in ten thousand takes more points
+/// than one descent has.
+pub const CENTROID_DESCENTS: usize = 4;
+
 /// The least cosine between the normals of neighbours that belong to the same piece of interface: 60 degrees. Around a corner of 90
 /// degrees normals of different sides are apart by more, along a circle with a radius of two cells by less.
 pub const CONNECTED_NORMALS: f64 = 0.5;

@@ -32,7 +32,7 @@ fn volumes<C: Cell<D>, const D: usize>(
 ) -> Result<(Vec<f64>, Counts), ReconstructionError> {
     let cell = mesh.local_cell(index);
     let mut volumes = vec![0.0; fractions.len()];
-    let shared = Shared { mesh, fractions, planes: &[], index, cell: &cell };
+    let shared = Shared { mesh, parts: fractions.into(), planes: &[], index, cell: &cell };
     let counts =
         dissector.dissect(shared, [cell], method, |_, material, volume| volumes[material] += volume)?;
     Ok((volumes, counts))

@@ -57,7 +57,8 @@ impl<const D: usize> Nested<D> {
         cells.filter(mixed).for_each(|cell| self.cells.insert(cell));
         let cells: Vec<usize> = self.cells.items().iter().map(|&cell| cell as usize).collect();
         let mut counts = Counts::default();
-        let planes = planes_of_all(Body::Tile, mesh, fractions, &cells, method, &mut counts, stopwatch)?;
+        let planes =
+            planes_of_all(Body::Tile, mesh, fractions.into(), &cells, method, &mut counts, stopwatch)?;
         self.components = fractions.len() + 1;
         self.shares.clear();
         self.shares.resize(cells.len() * self.components, None);
@@ -75,7 +76,7 @@ impl<const D: usize> Nested<D> {
                 }
                 let cell = mesh.local_cell(index);
                 let dissector = dissector.get_or_insert_with(Dissector::default);
-                let shared = Shared { mesh, fractions, planes, index, cell: &cell };
+                let shared = Shared { mesh, parts: fractions.into(), planes, index, cell: &cell };
                 *result = dissector.dissect(shared, [cell], method, |_, _, _| {});
                 for (place, (material, share)) in shares.iter_mut().zip(dissector.shares()) {
                     *place = Some((material.unwrap_or(fractions.len()), share));

@@ -3,9 +3,11 @@
 //! This file places the planes of one material, and reconstructs whole interfaces; [`sharing`] says which planes the materials
 //! of a cell need, and [`nested`] cuts several of them from one cell, in an `order` of its own.
 
+mod centroids;
 mod facets;
 pub mod nested;
 mod order;
+mod parts;
 pub mod sharing;
 
 use vofkit_geometry::clip::Tile;
@@ -14,6 +16,7 @@ use vofkit_geometry::{Cell, HalfSpace, PositionError, PositionMethod};
 pub(crate) use nested::region;
 pub use nested::{Cut, Dissector, Shared};
 pub(crate) use nested::{RegionOf, Share};
+pub use parts::Parts;
 pub use sharing::Materials;
 pub(crate) use sharing::planes_of_all;
 
@@ -112,6 +115,16 @@ pub enum ReconstructionError {
         cell: Vec<usize>,
         /// Their sum.
         sum: f64,
+    },
+    /// Centroids that are not one for each cell and material.
+    #[error("centroids are given for {given} {of}, not for {wanted}")]
+    Centroids {
+        /// Number of materials, or of cells.
+        given: usize,
+        /// How many there are.
+        wanted: usize,
+        /// Which of the two.
+        of: &'static str,
     },
     /// Fractions that are not one for each cell.
     #[error("{given} fractions are given for a mesh of {cells} cells")]
@@ -302,22 +315,25 @@ pub struct Interface<const D: usize> {
     pub counts: Counts,
 }
 
-/// Reconstructs the interface of every material (`fractions[material][cell]`) in every mixed cell.
+/// Reconstructs the interface of every material in every mixed cell. `parts` are fractions, `[material][cell]`, or these with
+/// centroids ([`MaterialMoments`](crate::fractions::MaterialMoments), [`Parts`]).
 ///
 /// # Errors
-/// See [`check_fractions`] and [`planes`].
-pub fn reconstruct<C: Cell<D>, const D: usize>(
-    mesh: &Mesh<C, D>,
-    fractions: &[Vec<f64>],
+/// See [`Parts::check`] and [`planes`].
+pub fn reconstruct<'a, C: Cell<D>, const D: usize>(
+    mesh: &'a Mesh<C, D>,
+    parts: impl Into<Parts<'a, D>>,
     method: Reconstruction,
 ) -> Result<Interface<D>, ReconstructionError> {
-    fractions.iter().try_for_each(|f| check_fractions(mesh.grid(), f))?;
+    let parts = parts.into();
+    parts.check(mesh.grid())?;
+    let fractions = parts.fractions;
     let cells: Vec<usize> =
         (0..mesh.grid().len()).filter(|&i| fractions.iter().any(|f| is_mixed(f[i]))).collect();
     let mut counts = Counts::default();
     let untimed = &mut Stopwatch::default();
-    let planes = planes_of_all(Body::Cell, mesh, fractions, &cells, method, &mut counts, untimed)?;
-    let mut interface = with_planes(mesh, fractions, &cells, &planes, method)?;
+    let planes = planes_of_all(Body::Cell, mesh, parts, &cells, method, &mut counts, untimed)?;
+    let mut interface = with_planes(mesh, parts, &cells, &planes, method)?;
     interface.counts.add(&counts);
     Ok(interface)
 }
@@ -328,18 +344,19 @@ pub fn reconstruct<C: Cell<D>, const D: usize>(
 /// See [`Dissector::dissect`].
 pub(crate) fn with_planes<C: Cell<D>, const D: usize>(
     mesh: &Mesh<C, D>,
-    fractions: &[Vec<f64>],
+    parts: Parts<'_, D>,
     cells: &[usize],
     planes: &[Option<Placed<D>>],
     method: Reconstruction,
 ) -> Result<Interface<D>, ReconstructionError> {
     let mut interface = Interface::default();
+    let materials = parts.fractions.len();
     let made = parallel::map(cells.len(), |i| {
-        let (index, planes) = (cells[i], &planes[i * fractions.len()..][..fractions.len()]);
+        let (index, planes) = (cells[i], &planes[i * materials..][..materials]);
         if planes.iter().flatten().any(Placed::is_nested) {
             let cell = mesh.local_cell(index);
             let mut dissector = Dissector::default();
-            let shared = Shared { mesh, fractions, planes, index, cell: &cell };
+            let shared = Shared { mesh, parts, planes, index, cell: &cell };
             let counts = dissector.dissect(shared, [cell], method, |_, _, _| {})?;
             return Ok((counts, nested_facets(mesh, index, dissector.cuts(), dissector.last())));
         }

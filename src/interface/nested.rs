@@ -4,7 +4,7 @@
 //! **Order.** Next comes the material, or void, whose plane fits the cells around best, the one listed first among equals; or, with
 //! [`Materials::Listed`](super::Materials), the first of the list that has a normal, and void is what is left. How normals
 //! are found where materials are gone already is told in `order`. What has no normal waits for the others; what still has none then
-//! stays mixed, in equal parts everywhere in the rest.
+//! stays mixed, in equal parts everywhere in the rest. Where centroids say how the materials lie, `centroids` finds order and normals.
 //!
 //! **Positions** are found on what is left: [regions](vofkit_geometry::clip) with straight edges in the cell's own frame. In 2D they
 //! are the cell to the bit, in 3D ruled faces become four triangles about their middles: no volume changes by it.
@@ -18,10 +18,10 @@ use vofkit_geometry::{Cell, HalfSpace, PositionError, Vector};
 
 use super::order::{Next, Queue, Waiting};
 use super::sharing::void;
-use super::{Counts, Placed, Reconstruction, ReconstructionError};
+use super::{Counts, Parts, Placed, Reconstruction, ReconstructionError};
 use crate::mesh::Mesh;
 use crate::normal::frame::Frame;
-use crate::normal::{Direction, Material, NoNormal};
+use crate::normal::{Direction, NoNormal};
 use crate::tolerance::FRACTION_ROUNDING;
 
 /// What planes make of a cell.
@@ -32,8 +32,8 @@ pub(crate) type RegionOf<C, const D: usize> = <<C as Cell<D>>::Tile as Tile<D>>:
 pub struct Shared<'a, C, const D: usize> {
     /// The mesh.
     pub mesh: &'a Mesh<C, D>,
-    /// The fractions, `[material][cell]`.
-    pub fractions: &'a [Vec<f64>],
+    /// What the materials have of the cells.
+    pub parts: Parts<'a, D>,
     /// By material, what was placed: directions that its own fractions gave are used where these alone say how the material lies. May
     /// be empty.
     pub planes: &'a [Option<Placed<D>>],
@@ -63,12 +63,21 @@ pub(crate) enum Share<const D: usize> {
     Rest,
 }
 
+/// What is cut next.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Chosen<const D: usize> {
+    /// Its place among those that wait.
+    pub(super) place: usize,
+    /// Its direction in the frame of the cell.
+    pub(super) direction: Direction<D>,
+}
+
 /// Dissects cells; keeps its memory from one to the next.
 #[derive(Clone, Debug)]
 pub struct Dissector<C: Cell<D>, const D: usize> {
-    queue: Queue<C, D>,
+    pub(super) queue: Queue<C, D>,
     /// What is left, with the piece that it is of.
-    rest: Vec<(usize, RegionOf<C, D>)>,
+    pub(super) rest: Vec<(usize, RegionOf<C, D>)>,
     /// The same after the next cut.
     next: Vec<(usize, RegionOf<C, D>)>,
     cuts: Vec<Cut<D>>,
@@ -94,7 +103,7 @@ impl<C: Cell<D>, const D: usize> Dissector<C, D> {
         method: Reconstruction,
         mut part: impl FnMut(usize, usize, f64),
     ) -> Result<Counts, ReconstructionError> {
-        let Shared { mesh, fractions, planes, index, cell } = shared;
+        let Shared { mesh, parts: Parts { fractions, .. }, index, cell, .. } = shared;
         let frame = Frame::new(cell);
         self.rest.clear();
         let regions = pieces.into_iter().map(|piece| region(&piece, |x| frame.point(x)));
@@ -103,6 +112,9 @@ impl<C: Cell<D>, const D: usize> Dissector<C, D> {
         let void = void(mesh, fractions, index)?;
         self.queue.fill(mesh.grid(), fractions, void, index, method.materials);
         let whole: f64 = self.rest.iter().map(|(_, region)| region.volume()).sum();
+        if method.normal.reads_centroids() {
+            self.know_centroids(&shared, &frame);
+        }
         let mut counts = Counts::default();
         let mut give = |piece, material: Option<usize>, volume| {
             if let Some(material) = material {
@@ -110,25 +122,11 @@ impl<C: Cell<D>, const D: usize> Dissector<C, D> {
             }
         };
         while !self.queue.is_settled()
-            && let Some(Next { place: next, sought, is_alone }) = self.queue.next()
+            && let Some(chosen) = self.choose(&shared, &frame, method)
         {
-            let Waiting { material, fraction, ref mut refused, .. } = self.queue.waiting[next];
-            // The stencil has the fractions; only the place is taken from the material.
-            let around = Material { mesh, fractions: &fractions[material.unwrap_or(0)], centroids: None };
-            let own = material.filter(|_| is_alone).and_then(|k| planes.get(k)?.as_ref()?.direction());
-            let found = match own {
-                Some(direction) => Ok(direction),
-                None => method.normal.normal_among(around, index, cell, sought, method.position),
-            };
-            let Direction { normal, determined, trials } = match found {
-                Ok(direction) => direction,
-                Err(reason) => {
-                    *refused = Some(reason);
-                    continue;
-                }
-            };
-            let normal = frame.normal(&normal);
-            let Root { position, residual, evaluations } = self.position(&normal, self.queue.share(next));
+            let Chosen { place, direction: Direction { normal, determined, trials } } = chosen;
+            let Waiting { material, fraction, .. } = self.queue.waiting[place];
+            let Root { position, residual, evaluations } = self.position(&normal, self.queue.share(place));
             if !(residual.abs() <= POSITION_FAILURE * whole) {
                 let source = PositionError::NoConvergence { residual: residual / whole, evaluations };
                 let cell = mesh.grid().offset(index).to_vec();
@@ -139,7 +137,7 @@ impl<C: Cell<D>, const D: usize> Dissector<C, D> {
             let half_space = frame.half_space_in_space(&half_space);
             self.cuts.push(Cut { material, half_space });
             counts.count(&Placed::Plane { half_space, determined, trials, evaluations, closed_form: false });
-            self.queue.remove(next);
+            self.queue.remove(place);
         }
         self.leave(give);
         let settled = self.queue.is_settled();
@@ -147,6 +145,37 @@ impl<C: Cell<D>, const D: usize> Dissector<C, D> {
             counts.count(&Placed::<D>::NoNormal(waiting.refused.unwrap_or(NoNormal::Balanced)));
         }
         Ok(counts)
+    }
+
+    /// What is cut next; none where nothing that waits has a normal.
+    fn choose(
+        &mut self,
+        shared: &Shared<'_, C, D>,
+        frame: &Frame<D>,
+        method: Reconstruction,
+    ) -> Option<Chosen<D>> {
+        if method.normal.reads_centroids() {
+            return self.choose_by_centroid();
+        }
+        let &Shared { mesh, parts, planes, index, cell } = shared;
+        loop {
+            let Next { place, sought, is_alone } = self.queue.next()?;
+            let Waiting { material, ref mut refused, .. } = self.queue.waiting[place];
+            // The stencil has the fractions; only the place is taken from the material.
+            let around = parts.material(mesh, material.unwrap_or(0));
+            let own = material.filter(|_| is_alone).and_then(|k| planes.get(k)?.as_ref()?.direction());
+            let found = match own {
+                Some(direction) => Ok(direction),
+                None => method.normal.normal_among(around, index, cell, sought, method.position),
+            };
+            match found {
+                Ok(found) => {
+                    let direction = Direction { normal: frame.normal(&found.normal), ..found };
+                    return Some(Chosen { place, direction });
+                }
+                Err(reason) => *refused = Some(reason),
+            }
+        }
     }
 
     /// Cuts another region, in the coordinates of [`Mesh::local_cell`], with the cuts of the last cell: `part` is given
@@ -199,7 +228,7 @@ impl<C: Cell<D>, const D: usize> Dissector<C, D> {
     }
 
     /// The plane constant that leaves `share` of the rest below, with the residual as a volume.
-    fn position(&self, normal: &Vector<D>, share: f64) -> Root {
+    pub(super) fn position(&self, normal: &Vector<D>, share: f64) -> Root {
         let rest: f64 = self.rest.iter().map(|(_, region)| region.volume()).sum();
         // The smaller part keeps its relative accuracy.
         let (sign, goal) = if share <= 0.5 { (1.0, share * rest) } else { (-1.0, (1.0 - share) * rest) };

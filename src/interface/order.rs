@@ -26,6 +26,8 @@ pub(super) struct Waiting<const D: usize> {
     pub(super) material: Option<usize>,
     pub(super) fraction: f64,
     stencil: Stencil<D>,
+    /// Its centroid in the frame of the cell, where it is known.
+    pub(super) centroid: Option<Vector<D>>,
     /// Why the method has no normal for it.
     pub(super) refused: Option<NoNormal>,
 }
@@ -53,7 +55,7 @@ pub(super) struct Queue<C, const D: usize> {
     cut: Stencil<D>,
     /// What only the cells around hold.
     absent: Stencil<D>,
-    order: Materials,
+    pub(super) order: Materials,
     unit: C,
 }
 
@@ -105,7 +107,7 @@ impl<C: Cell<D>, const D: usize> Queue<C, D> {
     }
 
     fn push(&mut self, material: Option<usize>, fraction: f64, stencil: Stencil<D>) {
-        self.waiting.push(Waiting { material, fraction, stencil, refused: None });
+        self.waiting.push(Waiting { material, fraction, stencil, centroid: None, refused: None });
     }
 
     /// The part that a waiting material has of what is left of the cell.

@@ -3,9 +3,11 @@
 use vofkit_geometry::Cell;
 
 use super::order::{Next, Queue};
-use super::{Body, Counts, Placed, Reconstruction, ReconstructionError, is_mixed, place_along, planes_timed};
+use super::{
+    Body, Counts, Parts, Placed, Reconstruction, ReconstructionError, is_mixed, place_along, planes_timed,
+};
 use crate::mesh::Mesh;
-use crate::normal::{Material, NoNormal, Stencil};
+use crate::normal::{NoNormal, Stencil};
 use crate::parallel;
 use crate::stopwatch::Stopwatch;
 use crate::tolerance::{FRACTION_ROUNDING, OVERFULL};
@@ -44,15 +46,16 @@ enum Sharing<const D: usize> {
 pub(crate) fn planes_of_all<C: Cell<D>, const D: usize>(
     body: Body,
     mesh: &Mesh<C, D>,
-    fractions: &[Vec<f64>],
+    parts: Parts<'_, D>,
     cells: &[usize],
     method: Reconstruction,
     counts: &mut Counts,
     stopwatch: &mut Stopwatch,
 ) -> Result<Vec<Option<Placed<D>>>, ReconstructionError> {
+    let fractions = parts.fractions;
     let materials = fractions.len();
     let sharing = if materials > 1 && method.materials != Materials::Independent {
-        parallel::map(cells.len(), |i| sharing(body, mesh, fractions, cells[i], method))
+        parallel::map(cells.len(), |i| sharing(body, mesh, parts, cells[i], method))
             .into_iter()
             .collect::<Result<_, _>>()?
     } else {
@@ -68,7 +71,7 @@ pub(crate) fn planes_of_all<C: Cell<D>, const D: usize>(
         };
         let (places, mixed): (Vec<usize>, Vec<usize>) =
             cells.iter().enumerate().filter(|&(i, &cell)| is_mixed(f[cell]) && needed(i)).unzip();
-        let own = Material { mesh, fractions: f, centroids: None };
+        let own = parts.material(mesh, material);
         let placed = planes_timed(body, own, &mixed, method, stopwatch)?;
         for (place, placed) in places.into_iter().zip(placed) {
             all[place * materials + material] = Some(placed);
@@ -98,10 +101,11 @@ pub(crate) fn planes_of_all<C: Cell<D>, const D: usize>(
 fn sharing<C: Cell<D>, const D: usize>(
     body: Body,
     mesh: &Mesh<C, D>,
-    fractions: &[Vec<f64>],
+    parts: Parts<'_, D>,
     index: usize,
     method: Reconstruction,
 ) -> Result<Sharing<D>, ReconstructionError> {
+    let fractions = parts.fractions;
     let mut here = (0..fractions.len()).filter(|&material| fractions[material][index] > 0.0);
     let (Some(first), Some(second)) = (here.next(), here.next()) else { return Ok(Sharing::Own) };
     if void(mesh, fractions, index)? > 0.0 || here.next().is_some() {
@@ -109,7 +113,8 @@ fn sharing<C: Cell<D>, const D: usize>(
     }
     let around = |material: usize| Stencil::new(mesh.grid(), &fractions[material], mesh.grid().offset(index));
     let others = Stencil::uniform(1.0).plus(&around(first), -1.0).plus(&around(second), -1.0);
-    if others.largest() <= OVERFULL {
+    // A centroid says how its material lies, whatever is around.
+    if others.largest() <= OVERFULL || method.normal.reads_centroids() {
         return Ok(Sharing::Two { materials: [first, second], placed: None });
     }
     let mut queue = Queue::<C, D>::new();
@@ -119,7 +124,7 @@ fn sharing<C: Cell<D>, const D: usize>(
         return Ok(Sharing::Two { materials: [first, second], placed });
     };
     let materials = if place == 0 { [first, second] } else { [second, first] };
-    let material = Material { mesh, fractions: &fractions[materials[0]], centroids: None };
+    let material = parts.material(mesh, materials[0]);
     let cell = mesh.local_cell(index);
     let found = method.normal.normal_among(material, index, &cell, sought, method.position);
     let placed = Some(place_along(body, material, index, &cell, found, method.position)?);

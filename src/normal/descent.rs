@@ -7,6 +7,8 @@
 //! (sum p p^T + damping) s = - sum r p
 //! ```
 //!
+//! with a damping of one's [choice](Damping).
+//!
 //! A turn costs little to judge, its derivatives cost more: they are computed at every other point and taken from the last one in
 //! between, which halves the cost and still squares the error every two steps.
 
@@ -51,17 +53,29 @@ pub(super) struct Descent<const D: usize> {
     pub(super) misfit: f64,
     /// Whether the misfit rises in every direction from there.
     pub(super) determined: bool,
+    /// Whether it ended before all points were used.
+    pub(super) arrived: bool,
+}
+
+/// What is added to the curvature where a step does not descend.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Damping {
+    /// The same in all directions (Levenberg).
+    Alike,
+    /// A part of the curvature itself: steps become shorter and keep their direction, so that they go on along narrow valleys.
+    Scaled,
 }
 
 /// Descends from `start`. `evaluate` is given a normal and whether to compute derivatives anew; none where it has no value.
 pub(super) fn descend<const D: usize>(
     start: Vector<D>,
+    kind: Damping,
     mut evaluate: impl FnMut(&Vector<D>, bool) -> Option<Sample<D>>,
 ) -> Option<Descent<D>> {
     let (mut normal, mut here, mut fresh) = (start, evaluate(&start, true)?, true);
     let (mut points, mut damping) = (1, 0.0);
     while points < DESCENT_POINTS {
-        let step = step(&here, &normal, damping);
+        let step = step(&here, &normal, damping, kind);
         // What the linear model promises.
         let gain = -step.dot(&here.gradient);
         if !(gain > (DESCENT_GAIN * here.misfit).max(MISFIT_ROUNDING)) {
@@ -87,7 +101,7 @@ pub(super) fn descend<const D: usize>(
         }
     }
     let determined = least_curvature(&across(&here.curvature, &normal)) > PLANE_DETERMINED;
-    Some(Descent { normal, misfit: here.misfit, determined })
+    Some(Descent { normal, misfit: here.misfit, determined, arrived: points < DESCENT_POINTS })
 }
 
 /// A matrix without what it has along the normal.
@@ -96,25 +110,27 @@ fn across<const D: usize>(matrix: &SMatrix<f64, D, D>, normal: &Vector<D>) -> SM
     projection * matrix * projection
 }
 
-fn step<const D: usize>(sample: &Sample<D>, normal: &Vector<D>, damping: f64) -> Vector<D> {
+fn step<const D: usize>(sample: &Sample<D>, normal: &Vector<D>, damping: f64, kind: Damping) -> Vector<D> {
     let gradient = sample.gradient - normal * normal.dot(&sample.gradient);
-    let solved = solve_across(&sample.curvature, &gradient, normal, damping);
+    let damper = match kind {
+        Damping::Alike => SMatrix::identity() * across(&sample.curvature, normal).trace(),
+        Damping::Scaled => sample.curvature,
+    };
+    let solved = solve_across(&(sample.curvature + damper * damping), &gradient, normal);
     let size = solved.norm();
     if size > DESCENT_TURN { solved * (-DESCENT_TURN / size) } else { -solved }
 }
 
-/// The vector `s` across the normal with `matrix s = right`, and `damping` (relative to the trace of the matrix) on its diagonal.
+/// The vector `s` across the normal with `matrix s = right`.
 pub(super) fn solve_across<const D: usize>(
     matrix: &SMatrix<f64, D, D>,
     right: &Vector<D>,
     normal: &Vector<D>,
-    damping: f64,
 ) -> Vector<D> {
     let across = across(matrix, normal);
     let trace = across.trace();
-    let full = across
-        + normal * normal.transpose() * trace
-        + SMatrix::identity() * ((damping + NORMAL_EQUATIONS) * trace);
+    let full =
+        across + normal * normal.transpose() * trace + SMatrix::identity() * (NORMAL_EQUATIONS * trace);
     let solved = full.try_inverse().map_or_else(Vector::zeros, |inverse| inverse * right);
     solved - normal * normal.dot(&solved)
 }

@@ -21,7 +21,7 @@
 
 use vofkit_geometry::{Cell, HalfSpace, PositionMethod, Vector};
 
-use super::descent::{Descent, Sample, descend};
+use super::descent::{Damping, Descent, Sample, descend};
 use super::patch::{Met, Patch};
 use super::{Around, Direction, Found, NoNormal};
 use super::{elvira, least_squares, youngs};
@@ -105,7 +105,7 @@ impl<C: Cell<D>, const D: usize> Fit<C, D> {
 
     /// Descends from a normal of the frame.
     fn descend(&mut self, start: Vector<D>) -> Option<Descent<D>> {
-        descend(start, |normal, fresh| self.sample(normal, fresh))
+        descend(start, Damping::Alike, |normal, fresh| self.sample(normal, fresh))
     }
 
     /// The same among the planes that leave the cell at another place its volume.

@@ -13,7 +13,7 @@ mod elvira;
 pub(crate) mod frame;
 mod least_squares;
 mod lvira;
-mod mof;
+pub(crate) mod mof;
 mod myc;
 mod patch;
 mod slic;
@@ -48,7 +48,8 @@ pub enum NormalMethod {
     Swartz,
     /// Along the logical direction in which the fractions change most (Noh & Woodward 1976).
     Slic,
-    /// The plane that gives the material's own centroid (Dyadechko & Shashkov 2005).
+    /// Moment of fluid: the plane that gives the material's own centroid (Dyadechko & Shashkov 2005; in space Ahn & Shashkov 2007). It needs
+    /// the [centroids](Material::centroids), which fractions that were advected do not have.
     Mof,
     /// Youngs' normal or that of central column heights, whichever is less aligned with an axis (Aulisa et al. 2007).
     Myc,
@@ -120,6 +121,11 @@ impl NormalMethod {
     /// Whether the method reads the planes of neighbouring cells, so that all of them have to be found at once.
     pub fn reads_neighbours(self) -> bool {
         self == Self::Swartz
+    }
+
+    /// Whether the method reads the centroids of the materials.
+    pub fn reads_centroids(self) -> bool {
+        self == Self::Mof
     }
 
     /// The normals in the mixed `cells` (indices, ascending). A method that [reads its

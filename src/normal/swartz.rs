@@ -211,7 +211,7 @@ impl<C: Cell<D>, const D: usize> Problem<'_, C, D> {
             let open = Plane { direction, turn: f64::INFINITY, spread: f64::INFINITY, ..own };
             return own.direction.determined.then_some(open);
         }
-        let step = solve_across(&matrix, &right, &normal, 0.0);
+        let step = solve_across(&matrix, &right, &normal);
         let turned = frame.in_space(&(normal - step));
         let middle = self.middle(i, &mesh.local_cell(index), &turned)?;
         let direction = Direction { normal: turned, determined: true, trials: own.direction.trials + 1 };

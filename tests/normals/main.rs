@@ -3,6 +3,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod mof;
 mod planes;
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -35,11 +35,11 @@ fn plane_error<C: Cell<D>, const D: usize>(
 }
 
 /// The half-space with a plane through a point.
-fn through<const D: usize>(normal: Vector<D>, at: [f64; D]) -> HalfSpace<D> {
+pub(super) fn through<const D: usize>(normal: Vector<D>, at: [f64; D]) -> HalfSpace<D> {
     HalfSpace { normal, constant: normal.dot(&Vector::from(at)) }
 }
 
-fn unit<const D: usize>(parts: [f64; D]) -> Option<Vector<D>> {
+pub(super) fn unit<const D: usize>(parts: [f64; D]) -> Option<Vector<D>> {
     let direction = Vector::from(parts);
     (direction.norm() > 0.1).then(|| direction.normalize())
 }

@@ -82,7 +82,8 @@ impl<const D: usize> Mixed<D> {
             .unzip();
         let mesh = sweep.stage.mesh;
         let counts = &mut ledger.counts;
-        let placed = planes_of_all(Body::Cell, mesh, sweep.fractions, &cells, method, counts, stopwatch)?;
+        let placed =
+            planes_of_all(Body::Cell, mesh, sweep.fractions.into(), &cells, method, counts, stopwatch)?;
         self.planes.clear();
         self.planes.resize(self.slots.len() * materials, None);
         for (number, placed) in numbers.into_iter().zip(placed.chunks_exact(materials)) {

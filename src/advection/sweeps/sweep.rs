@@ -115,7 +115,8 @@ impl<C: Cell<D>, const D: usize> Sweep<'_, C, D> {
         let cell = stage.mesh.local_cell(index);
         // Only with overdraft there may be nothing left to give from.
         if tracked > 0.0 && planes.iter().flatten().any(Placed::is_nested) {
-            let shared = Shared { mesh: stage.mesh, fractions: self.fractions, planes, index, cell: &cell };
+            let shared =
+                Shared { mesh: stage.mesh, parts: self.fractions.into(), planes, index, cell: &cell };
             let wanted = |face: usize| (outward[face] * (volume / tracked)).min(volume);
             let dissector = dissector.get_or_insert_default();
             gifts.counts.add(&self.dissect(dissector, shared, place.offset(), wanted, tracked, given)?);
