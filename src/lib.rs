@@ -78,7 +78,7 @@ pub mod prelude {
     };
     pub use crate::ale;
     pub use crate::facet::Facet;
-    pub use crate::fractions::volume_fractions;
+    pub use crate::fractions::{material_moments, volume_fractions};
     pub use crate::geometry::{Cell, HalfSpace, Hexahedron, PositionMethod, Quad, Vector};
     pub use crate::interface::{Interface, Reconstruction, reconstruct};
     pub use crate::mesh::{Distortion, Grid, Mesh, MeshMotion, MeshPath, SweptVolumes};

@@ -123,6 +123,10 @@ pub const PERIODIC_MOTION: f64 = 1e-12;
 /// digits. They are then divided by their sum.
 pub const FRACTION_SUM: f64 = 1e-6;
 
+/// Centroids from a file may lie this far outside of the box around their cell, relative to the largest coordinate of its corners: the
+/// rounding of both to single precision, twice 2^-24 each. Without it the sliver at a face would be refused.
+pub const CENTROID_OUTSIDE: f64 = 2.5e-7;
+
 /// Nodes of a plane mesh from a file may differ by this much in z, relative to the size of the mesh: coordinates in single precision
 /// that were turned into the plane.
 pub const PLANAR: f64 = 1e-6;

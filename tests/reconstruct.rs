@@ -37,6 +37,7 @@ fn volume(name: &str) -> f64 {
         "static_cube" => 125.0,
         "static_two_discs" => PI * 8.0,
         "static_film" => 14.0 / 9.0,
+        "static_mof" => PI * 4.0,
         _ => panic!("{name}: its volume is not known here"),
     }
 }

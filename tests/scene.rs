@@ -160,7 +160,7 @@ fn errors_outside_of_what_was_set_point_at_the_file() {
 #[test]
 fn every_scene_passes_the_check_and_so_does_its_resolved_form() {
     let place = Place::new();
-    assert_eq!(scenes().len(), 23);
+    assert_eq!(scenes().len(), 24);
     for name in scenes() {
         let path = scene(&name);
         let small: &[&str] = if name.ends_with("3d") { &["--set", "mesh.cells=[10, 10, 20]"] } else { &[] };
@@ -281,7 +281,7 @@ fn what_is_wrong_in_added_lines_is_named_too() {
         (
             END,
             "[reconstruction]\nnormal = \"mof\"",
-            &["not available in this version", "youngs, youngs_logical"],
+            &["\"mof\" needs the centroids", "use \"swartz\"", "vofkit reconstruct"],
         ),
         (END, "[reconstruction]\nnormal = \"young\"", &["is not known", "youngs, youngs_logical"]),
         (END, "[reconstruction]\nmaterials = \"onion\"", &["is not known", "nested, listed, independent"]),

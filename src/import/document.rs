@@ -31,7 +31,7 @@ pub(super) struct Document<'a> {
 pub(super) struct ArrayText {
     /// The element that it is in, such as `Points` or `CellData`.
     section: String,
-    name: String,
+    pub(super) name: String,
     kind: String,
     components: String,
     format: String,

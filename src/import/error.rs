@@ -54,6 +54,30 @@ pub enum ImportError {
         /// Whether it is a sum.
         sum: bool,
     },
+    /// A centroid that is no point of the box around its cell.
+    #[error("{}: the array `{array}` {odd}", path.display())]
+    Centroid {
+        /// The file.
+        path: PathBuf,
+        /// The name of the array.
+        array: String,
+        /// What is wrong with it.
+        odd: Box<OddCentroid>,
+    },
+}
+
+/// A centroid that is no point of the box around its cell.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("has {centroid:?} in the mixed cell {cell:?}, which lies between {lower:?} and {upper:?}")]
+pub struct OddCentroid {
+    /// The cell's index along each axis, in the order of the file.
+    pub cell: Vec<usize>,
+    /// What is given.
+    pub centroid: Vec<f64>,
+    /// The lowest corner of the box around the cell.
+    pub lower: Vec<f64>,
+    /// The highest one.
+    pub upper: Vec<f64>,
 }
 
 impl ImportError {
@@ -68,6 +92,9 @@ impl ImportError {
                 _ => "name a readable file",
             },
             Self::Grid { help, .. } | Self::Array { help, .. } => help,
+            Self::Centroid { .. } => {
+                "give the middle of what the material has of the cell, in the coordinates of the nodes"
+            }
             Self::Fraction { sum: true, .. } => "let the fractions of a cell add up to no more than 1",
             Self::Fraction { .. } => "let every fraction lie between 0 and 1",
         }

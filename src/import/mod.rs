@@ -3,12 +3,15 @@
 //! - this file: a [`StructuredGrid`] as a file gives it, and as a mesh takes it; `velocity`: a [`NodalVelocity`] on such a grid;
 //! - `poly_data`: interfaces (`.vtp`); `series`: which files belong to which time (`.pvd`);
 //! - `document`: the parts of a file; `array`: its numbers, from every encoding that VTK writes but LZMA;
+//! - `centroids`: those of the materials, for normals that need them;
 //! - [`error`]: what can be wrong, with file, array and cell.
 //!
-//! Only nodes, fractions (cell data `alpha.<material>`) and, where it is asked for, the velocity `U` are decoded; everything else in the file costs nothing. The numbers come
+//! Only nodes, fractions (cell data `alpha.<material>`) and, where they are asked for, centroids (`centroid.<material>`) and the velocity
+//! `U` are decoded; everything else in the file costs nothing. The numbers come
 //! out as they went in, but for fractions that add up to more than 1 by the rounding of other programs. No file makes this fail but with an error.
 
 mod array;
+mod centroids;
 mod document;
 pub mod error;
 mod poly_data;

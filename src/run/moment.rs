@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use super::draw::Draw;
 use super::fields::Fields;
+use super::prepare::Start;
 use super::quantities::Quantities;
 use super::{Checkpoints, Run, RunError, prepare};
 use crate::facet::Facet;
@@ -34,8 +35,8 @@ pub struct Moment<C, const D: usize> {
 /// See [`RunError`].
 pub fn of_still<C: Draw<D>, const D: usize>(scene: &Still<D>) -> Result<Moment<C, D>, RunError> {
     let mesh: Mesh<C, D> = prepare::still_mesh(scene)?;
-    let fractions = prepare::fractions(scene, &mesh)?;
-    of(scene, 0.0, mesh, fractions)
+    let start = prepare::start(scene, &mesh)?;
+    of(scene, 0.0, mesh, start)
 }
 
 /// A scene at the end of the first step that reaches a time; the steps are those of a run to the end.
@@ -62,15 +63,15 @@ pub fn of_run<C: Draw<D>, const D: usize>(scene: &Resolved<D>, time: f64) -> Res
         run.step(&mut fractions, step, [step, step + 1].map(|step| plan.time(step)), &mut substeps)?;
     }
     let mesh = run.setup.mover.mesh().clone();
-    of(scene, plan.time(last), mesh, fractions)
+    of(scene, plan.time(last), mesh, Start { fractions, centroids: None })
 }
 
 fn of<C: Draw<D>, const D: usize>(
     scene: &Still<D>,
     time: f64,
     mesh: Mesh<C, D>,
-    fractions: Vec<Vec<f64>>,
+    start: Start<D>,
 ) -> Result<Moment<C, D>, RunError> {
-    let facets = reconstruct(&mesh, &fractions, scene.reconstruction)?.facets;
-    Ok(Moment { time, mesh, names: scene.material_names(), fractions, facets })
+    let facets = reconstruct(&mesh, start.parts(), scene.reconstruction)?.facets;
+    Ok(Moment { time, mesh, names: scene.material_names(), fractions: start.fractions, facets })
 }

@@ -16,6 +16,8 @@ pub(super) struct CellPlanes<const D: usize> {
     constants: Vec<f64>,
     areas: Vec<f64>,
     status: Vec<i64>,
+    /// Not numbers where there is nothing of the material; none where nothing reads them.
+    pub(super) centroids: Option<Vec<Vector<D>>>,
 }
 
 impl<const D: usize> CellPlanes<D> {
@@ -32,6 +34,7 @@ impl<const D: usize> CellPlanes<D> {
             constants: vec![f64::NAN; cells],
             areas: vec![0.0; cells],
             status: fractions.iter().map(|&f| CellStatus::of_pure(f).code()).collect(),
+            centroids: None,
         };
         for (cell, placed) in placed {
             planes.status[cell] = CellStatus::from(placed).code();
@@ -46,15 +49,19 @@ impl<const D: usize> CellPlanes<D> {
         planes
     }
 
-    /// As arrays `normal.<material>`, `plane_constant.<material>`, `area.<material>` and `status.<material>`.
+    /// As arrays `normal.<material>`, `plane_constant.<material>`, `area.<material>` and `status.<material>`; `centroid.<material>` where they
+    /// are known.
     #[cfg(feature = "vtk")]
-    pub(super) fn arrays(&self, material: &str) -> [CellArray<'_, D>; 4] {
+    pub(super) fn arrays(&self, material: &str) -> Vec<CellArray<'_, D>> {
         let name = |what: &str| format!("{what}.{material}");
-        [
+        let mut arrays = vec![
             CellArray::vector(name("normal"), &self.normals),
             CellArray::scalar(name("plane_constant"), &self.constants),
             CellArray::scalar(name("area"), &self.areas),
             CellArray::whole(name("status"), &self.status),
-        ]
+        ];
+        let centroids = self.centroids.iter();
+        arrays.extend(centroids.map(|centroids| CellArray::vector(name("centroid"), centroids)));
+        arrays
     }
 }

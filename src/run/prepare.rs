@@ -8,7 +8,8 @@ use super::velocity;
 use crate::advection::{
     Boundary, End, Ledger, Remesh, Scheme, Settings, SetupError, StepError, SweepAxes, Transport,
 };
-use crate::fractions::volume_fractions;
+use crate::fractions::{MaterialMoments, material_moments, volume_fractions};
+use crate::interface::Parts;
 use crate::mesh::{Grid, Mesh, MeshError, MeshMotion, MeshPath, MotionError, MotionRates, axis_name};
 use crate::metrics::material_volume;
 use crate::quantity::MaterialQuantity;
@@ -105,19 +106,51 @@ fn made<C: Cell<D>, const D: usize>(scene: &Still<D>) -> Result<Mesh<C, D>, Scen
     })
 }
 
+/// What the materials have of the cells at the start.
+#[derive(Clone, Debug)]
+pub struct Start<const D: usize> {
+    /// Fractions by material and cell.
+    pub fractions: Vec<Vec<f64>>,
+    /// Centroids by material and cell, where the normal method reads them.
+    pub centroids: Option<Vec<Vec<Vector<D>>>>,
+}
+
+impl<const D: usize> Start<D> {
+    /// As the reconstruction takes them.
+    pub fn parts(&self) -> Parts<'_, D> {
+        Parts { fractions: &self.fractions, centroids: self.centroids.as_deref() }
+    }
+}
+
 /// The volume fractions at the start.
 ///
 /// # Errors
-/// A material of which there is nothing in the domain, unless the scene allows it.
+/// As [`start`].
 pub fn fractions<C: Cell<D>, const D: usize>(
     scene: &Still<D>,
     mesh: &Mesh<C, D>,
 ) -> Result<Vec<Vec<f64>>, SceneError> {
-    let fractions = match (&scene.fractions, scene.shapes()) {
-        (Some(fractions), _) => fractions.clone(),
-        (None, shapes) => volume_fractions(mesh, &shapes.unwrap_or_default()),
+    start(scene, mesh).map(|start| start.fractions)
+}
+
+/// Fractions at the start and, where the normal method reads them, centroids.
+///
+/// # Errors
+/// A material of which there is nothing in the domain, unless the scene allows it.
+pub fn start<C: Cell<D>, const D: usize>(
+    scene: &Still<D>,
+    mesh: &Mesh<C, D>,
+) -> Result<Start<D>, SceneError> {
+    let shapes = || scene.shapes().unwrap_or_default();
+    let start = match &scene.parts {
+        Some(parts) => Start { fractions: parts.fractions.clone(), centroids: parts.centroids.clone() },
+        None if scene.reconstruction.normal.reads_centroids() => {
+            let MaterialMoments { fractions, centroids } = material_moments(mesh, &shapes());
+            Start { fractions, centroids: Some(centroids) }
+        }
+        None => Start { fractions: volume_fractions(mesh, &shapes()), centroids: None },
     };
-    for (k, (material, fractions)) in scene.materials.iter().zip(&fractions).enumerate() {
+    for (k, (material, fractions)) in scene.materials.iter().zip(&start.fractions).enumerate() {
         if material_volume(mesh, fractions) > 0.0 || material.allow_empty {
             continue;
         }
@@ -135,7 +168,7 @@ pub fn fractions<C: Cell<D>, const D: usize>(
             },
         ));
     }
-    Ok(fractions)
+    Ok(start)
 }
 
 /// The transport and the time steps.
@@ -351,6 +384,9 @@ pub fn still_memory<const D: usize>(scene: &Still<D>) -> u64 {
     let mut values = dimension + 1 + 2 * materials + if scene.mesh.distortion.is_none() { 0 } else { 3 };
     if scene.output.fields {
         values += (dimension + 3) * materials;
+    }
+    if scene.reconstruction.normal.reads_centroids() {
+        values += dimension * materials;
     }
     cells(scene).saturating_mul(values * size_of::<f64>() as u64)
 }

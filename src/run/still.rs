@@ -9,16 +9,14 @@ use super::folder::{Folder, SUMMARY};
 use super::notes::of_start;
 use super::output::{Beside, FIRST, Output};
 use super::planes::CellPlanes;
-use super::prepare;
+use super::prepare::{self, Start};
 use super::progress::Progress;
 use super::shape_errors::ShapeErrors;
 use super::tally::{mixed_cells, not_asked_for};
 use super::{RunError, RunOptions};
 use crate::export::write_file;
 use crate::facet::Facet;
-use crate::interface::{
-    Body, Counts, ReconstructionError, check_fractions, is_mixed, planes_of_all, with_planes,
-};
+use crate::interface::{Body, Counts, Parts, ReconstructionError, is_mixed, planes_of_all, with_planes};
 use crate::mesh::Mesh;
 use crate::metrics::{facet_gap_mean, material_volume};
 use crate::report::still::{CountsByStatus, StageSeconds, StillMaterial, StillSummary};
@@ -53,16 +51,20 @@ fn reconstructed<C: Draw<D>, const D: usize>(
     progress.stage("mesh");
     let mesh: Mesh<C, D> = timed(&mut seconds.mesh, || prepare::still_mesh(scene))?;
     progress.stage("fractions");
-    let fractions = timed(&mut seconds.fractions, || prepare::fractions(scene, &mesh))?;
+    let start = timed(&mut seconds.fractions, || prepare::start(scene, &mesh))?;
     progress.stage("planes");
-    let found = Found::new(scene, &mesh, &fractions, &mut seconds)?;
+    let found = Found::new(scene, &mesh, start.parts(), &mut seconds)?;
     progress.stage("errors");
     let errors = timed(&mut seconds.errors, || found.errors(scene, &mesh));
-    let mut summary = found.summary(scene, &mesh, &fractions, &errors, seconds);
+    let mut summary = found.summary(scene, &mesh, &start.fractions, &errors, seconds);
     summary.threads = options.threads;
 
     let folder = Folder::open(&options.folder, options.force)?;
-    let Found { planes, facets, .. } = found;
+    let Found { mut planes, facets, .. } = found;
+    let Start { fractions, centroids } = start;
+    for (planes, centroids) in planes.iter_mut().zip(centroids.into_iter().flatten()) {
+        planes.centroids = Some(centroids);
+    }
     let mut output = Output::new(scene, Beside::Planes(planes), folder.path().to_owned());
     let done = write(scene, &mut output, &mesh, &fractions, &facets).and_then(|()| {
         output.files.push(SUMMARY.to_owned());
@@ -126,19 +128,20 @@ impl<const D: usize> Found<D> {
     fn new<C: Draw<D>>(
         scene: &Still<D>,
         mesh: &Mesh<C, D>,
-        fractions: &[Vec<f64>],
+        parts: Parts<'_, D>,
         seconds: &mut StageSeconds,
     ) -> Result<Self, ReconstructionError> {
-        fractions.iter().try_for_each(|f| check_fractions(mesh.grid(), f))?;
+        parts.check(mesh.grid())?;
+        let fractions = parts.fractions;
         let is_mixed = |&cell: &usize| fractions.iter().any(|f| is_mixed(f[cell]));
         let cells: Vec<usize> = (0..mesh.grid().len()).filter(is_mixed).collect();
         let mut all = Counts::default();
         let method = scene.reconstruction;
         let mut stopwatch = Stopwatch::started();
-        let placed = planes_of_all(Body::Cell, mesh, fractions, &cells, method, &mut all, &mut stopwatch)?;
+        let placed = planes_of_all(Body::Cell, mesh, parts, &cells, method, &mut all, &mut stopwatch)?;
         seconds.normals += stopwatch.seconds().normals;
         seconds.positions += stopwatch.seconds().positions;
-        let interface = timed(&mut seconds.facets, || with_planes(mesh, fractions, &cells, &placed, method))?;
+        let interface = timed(&mut seconds.facets, || with_planes(mesh, parts, &cells, &placed, method))?;
         all.add(&interface.counts);
         let facets = interface.facets;
         let mut found = Self { all, counts: Vec::new(), planes: Vec::new(), facets, nested: Vec::new() };

@@ -60,6 +60,7 @@ impl ReconstructionSection {
             ("swartz", NormalMethod::Swartz),
             ("slic", NormalMethod::Slic),
             ("myc", NormalMethod::Myc),
+            ("mof", NormalMethod::Mof),
         ];
         let positions = [
             ("auto", PositionMethod::Auto),
@@ -72,7 +73,7 @@ impl ReconstructionSection {
             ("independent", Materials::Independent),
         ];
         Ok(Reconstruction {
-            normal: context.word("the normal method", normal, &normals, &["mof"])?,
+            normal: context.word("the normal method", normal, &normals, &[])?,
             position: context.word("the position method", &self.position, &positions, &[])?,
             materials: context.word(
                 "the reconstruction of several materials",
@@ -81,6 +82,22 @@ impl ReconstructionSection {
                 &[],
             )?,
         })
+    }
+
+    /// Refuses methods that know a material only where it starts.
+    pub(super) fn check_moves(&self, method: Reconstruction, context: Context<'_>) -> Result<(), SceneError> {
+        if !method.normal.reads_centroids() {
+            return Ok(());
+        }
+        let place = self.normal.as_ref().map(Spanned::span).unwrap_or_default();
+        Err(context.error(
+            place,
+            format!(
+                "the normal method \"{}\" needs the centroids of the materials, and fractions that were moved have none",
+                self.normal_word()
+            ),
+            "use \"swartz\", \"lvira\" or \"youngs\", or write the interface as it is by `vofkit reconstruct`",
+        ))
     }
 }
 

@@ -4,13 +4,15 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
+use vofkit_geometry::Vector;
 
 use super::context::{Context, default};
 use super::error::SceneError;
 use super::quantity::{QuantitySection, QuantitySetup};
 use super::wording::check_text;
 use super::{boundary, shape};
-use crate::import::StructuredGrid;
+use crate::import::{ImportError, StructuredGrid};
+use crate::interface::Reconstruction;
 use crate::shape::Shape;
 
 /// A material and where it is at the start.
@@ -91,27 +93,46 @@ pub(super) fn resolve<const D: usize>(
     Ok(materials)
 }
 
-/// The fractions that the file of the mesh has of all materials; none if they have shapes.
-pub(super) fn fractions(
+/// What the file of a mesh has of all materials, by material and cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FileParts<const D: usize> {
+    /// Their fractions.
+    pub fractions: Vec<Vec<f64>>,
+    /// Their centroids, where the normal method reads them.
+    pub centroids: Option<Vec<Vec<Vector<D>>>>,
+}
+
+/// What the file of the mesh has of all materials; nothing if they have shapes.
+pub(super) fn parts<const D: usize>(
     sections: &[MaterialSection],
     grid: &StructuredGrid,
+    method: Reconstruction,
     mesh: Range<usize>,
     context: Context<'_>,
-) -> Result<Option<Vec<Vec<f64>>>, SceneError> {
+) -> Result<Option<FileParts<D>>, SceneError> {
     let shaped = sections.iter().find_map(|section| section.shape.as_ref());
     let bare = sections.iter().find(|section| section.shape.is_none());
     match (shaped, bare) {
         (_, None) => Ok(None),
         (None, Some(_)) => {
-            let of_material = |section: &MaterialSection| {
-                let found = grid.fractions(section.name.get_ref());
-                found.map(<[f64]>::to_vec).map_err(|error| {
-                    let place = section.name.span();
-                    let place = if place.is_empty() { mesh.clone() } else { place };
-                    context.error(place, error.to_string(), error.help())
-                })
+            let wrong = |section: &MaterialSection, error: ImportError| {
+                let place = section.name.span();
+                let place = if place.is_empty() { mesh.clone() } else { place };
+                context.error(place, error.to_string(), error.help())
             };
-            sections.iter().map(of_material).collect::<Result<_, _>>().map(Some)
+            let fractions = |section: &MaterialSection| {
+                let found = grid.fractions(section.name.get_ref());
+                found.map(<[f64]>::to_vec).map_err(|error| wrong(section, error))
+            };
+            let centroids = |section: &MaterialSection| {
+                grid.centroids(section.name.get_ref()).map_err(|error| wrong(section, error))
+            };
+            let fractions = sections.iter().map(fractions).collect::<Result<_, _>>()?;
+            let all = || sections.iter().map(centroids).collect::<Result<_, _>>();
+            Ok(Some(FileParts {
+                fractions,
+                centroids: method.normal.reads_centroids().then(all).transpose()?,
+            }))
         }
         (Some(shaped), Some(bare)) => Err(context.error(
             shaped.span(),

@@ -34,7 +34,7 @@ pub use advection::{AdvectionSetup, Mode, Stepping, Substeps};
 pub use boundary::BoundarySetup;
 pub use error::{SceneError, Source};
 pub use field::{FieldSetup, Kind, Location, Method};
-pub use material::MaterialSetup;
+pub use material::{FileParts, MaterialSetup};
 pub use mesh::MeshSetup;
 pub use output::OutputSetup;
 pub use quantity::QuantitySetup;
@@ -81,8 +81,8 @@ pub struct Still<const D: usize> {
     pub mesh: MeshSetup<D>,
     /// The materials, the first one on top.
     pub materials: Vec<MaterialSetup<D>>,
-    /// The fractions of all materials by cell, where they come from the file of the mesh.
-    pub fractions: Option<Vec<Vec<f64>>>,
+    /// Fractions and centroids, where they come from the file of the mesh.
+    pub parts: Option<FileParts<D>>,
     /// The boundary.
     pub boundary: BoundarySetup<D>,
     /// The interface reconstruction.
@@ -315,11 +315,12 @@ impl StillScene {
 
 impl<const D: usize> Resolved<D> {
     fn new(mut still: Still<D>) -> Result<Self, SceneError> {
-        let Still { file, source, mesh, .. } = &mut still;
+        let Still { file, source, mesh, reconstruction, .. } = &mut still;
         let context = Context { source };
         if !file.moves() {
             return Err(nothing_moves(context));
         }
+        file.reconstruction.check_moves(*reconstruction, context)?;
         let fields = field::resolve_all(&mut file.field, mesh, context)?;
         file.advection.get_mut().place = file.advection.span();
         let advection = file.advection.get_mut().resolve(context)?;
@@ -365,10 +366,6 @@ impl<const D: usize> Still<D> {
             ));
         }
         let mut materials = material::resolve::<D>(file.materials(), grid.is_some(), context)?;
-        let fractions = match &grid {
-            Some(grid) => material::fractions(file.materials(), grid, file.mesh.get_ref().place(), context)?,
-            None => None,
-        };
         let names: Vec<String> = materials.iter().map(|material| material.name.clone()).collect();
         let boundary: BoundarySetup<D> = file.boundary.resolve(&names, context)?;
         if let Some(axis) = (0..D).find(|&axis| grid.is_some() && boundary.periodic[axis]) {
@@ -384,9 +381,12 @@ impl<const D: usize> Still<D> {
         }
         let regions_overlap = file.advection.get_ref().regions_overlap();
         let reconstruction = file.reconstruction.resolve(D, regions_overlap, context)?;
+        let (sections, place) = (file.materials(), file.mesh.get_ref().place());
+        let parts = grid.map(|grid| material::parts(sections, &grid, reconstruction, place, context));
+        let parts = parts.transpose()?.flatten();
         let output = file.output.resolve(D, context)?;
         let name = file.name.as_ref().map(|name| name.get_ref().clone()).unwrap_or_default();
-        Ok(Self { name, mesh, materials, fractions, boundary, reconstruction, output, file, source })
+        Ok(Self { name, mesh, materials, parts, boundary, reconstruction, output, file, source })
     }
 
     /// The scene as TOML with every default filled in, but for the advection.

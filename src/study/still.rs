@@ -9,7 +9,6 @@ use super::subject::{along_axis, mean, repeated};
 use crate::facet::Facet;
 use crate::interface::{Body, Counts, is_mixed, planes_timed, reconstruct};
 use crate::mesh::Mesh;
-use crate::normal::Material;
 use crate::run::shape_errors::ShapeErrors;
 use crate::run::{RunError, prepare};
 use crate::scene::{Still, StillScene};
@@ -74,16 +73,16 @@ pub(super) fn measured(study: &Study, combination: &Combination) -> Result<Measu
 
 fn reconstructed<C: Cell<D>, const D: usize>(scene: &Still<D>) -> Result<Sample, RunError> {
     let mesh: Mesh<C, D> = prepare::still_mesh(scene)?;
-    let fractions = prepare::fractions(scene, &mesh)?;
+    let start = prepare::start(scene, &mesh)?;
     let (mut stopwatch, mut counts) = (Stopwatch::started(), Counts::default());
-    for fractions in &fractions {
+    for (k, fractions) in start.fractions.iter().enumerate() {
         let mixed: Vec<usize> = (0..fractions.len()).filter(|&cell| is_mixed(fractions[cell])).collect();
-        let material = Material { mesh: &mesh, fractions, centroids: None };
+        let material = start.parts().material(&mesh, k);
         stopwatch.lap(|seconds| &mut seconds.initialise);
         let placed = planes_timed(Body::Cell, material, &mixed, scene.reconstruction, &mut stopwatch)?;
         placed.iter().for_each(|placed| counts.count(placed));
     }
-    let facets = reconstruct(&mesh, &fractions, scene.reconstruction)?.facets;
+    let facets = reconstruct(&mesh, start.parts(), scene.reconstruction)?.facets;
     let (mut difference, mut hausdorff) = (0.0, None);
     let shapes = scene.shapes().unwrap_or_default();
     for k in 0..shapes.len() {

@@ -50,11 +50,7 @@ fn moments_of_cells_add_up_to_that_of_the_body() {
     }
     let (centre, rotation) = (V3::new(0.5, 0.48, 0.51), tilt());
     let semi_axes = V3::new(0.4, 0.2, 0.1);
-    assert_middle::<Hexahedron, 3>(
-        &Shape::Ellipsoid { centre, semi_axes, rotation: rotation.clone() },
-        centre,
-        0.4,
-    );
+    assert_middle::<Hexahedron, 3>(&Shape::Ellipsoid { centre, semi_axes, rotation }, centre, 0.4);
     let lengths = V3::new(0.5, 0.3, 0.41);
     assert_middle::<Hexahedron, 3>(&Shape::Box { centre, lengths, rotation }, centre, 0.5);
     // Half a disc: 4 R / (3 pi) from the middle of its straight side.

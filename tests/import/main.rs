@@ -1,6 +1,7 @@
 //! Structured grids of other programs: every encoding, both dimensions, and everything that can be wrong with a file.
 #![cfg(all(feature = "cli", feature = "import", feature = "obj", feature = "vtk", feature = "plot"))]
 
+mod centroids;
 #[path = "../cli_support/mod.rs"]
 mod cli_support;
 mod file;
