@@ -17,9 +17,8 @@
 use crate::Vector;
 use crate::cell::Cell;
 use crate::hexahedron::Hexahedron;
-use crate::moment::{edge_part, face_part, integrals, surface_element};
+use crate::moment::edge_part;
 use crate::quad::Quad;
-use crate::ruled_face::SurfaceElement;
 
 type Vector2 = Vector<2>;
 type Vector3 = Vector<3>;
@@ -46,24 +45,6 @@ fn of_plane<const D: usize, const N: usize>(
     let centroid = p + (first - m * (m.dot(&first) / m2)) / area;
     // An area of zero where the plane touches a node or an edge.
     centroid.iter().all(|c| c.is_finite()).then_some(centroid)
-}
-
-/// The centroid of the section of a hexahedron; see [`of_plane`].
-pub(crate) fn of_hexahedron(y: &[Vector3; 8], m: &Vector3, s: &[f64; 8]) -> Option<Vector3> {
-    of_plane(y, m, s, |s, p| {
-        let (mut area, mut first) = (0.0, Vector3::zeros());
-        for face in Hexahedron::FACE_NODES {
-            face_part([0, 1, 2, 3].map(|i| s[face[i]]), |corner, sign, k| {
-                let z = [0, 1, 2, 3].map(|i| y[face[(corner + i) & 3]] - p);
-                let SurfaceElement { q0, q_alpha, q_beta, .. } = surface_element(&z);
-                let density = [sign * m.dot(&q0), sign * m.dot(&q_alpha), sign * m.dot(&q_beta), 0.0];
-                let (part, parts) = integrals(&z, density, k);
-                area += part;
-                first += parts;
-            });
-        }
-        (area, first)
-    })
 }
 
 /// The same of a parallelepiped, whose section is a polygon: in each face an edge of it, from where the outward order of the face's nodes

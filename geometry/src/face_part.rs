@@ -26,6 +26,17 @@
 //! dA/dlevel = L/c [ g1 N0 + (g2 - g1) L N1 + (g4 - g1) (R N0 + S N1) ]
 //! ```
 //!
+//! A coordinate `x` across `e` has `div (x e) = 0`, so that the section's shadow along `e` has the moment `int x G`; `x` is bilinear,
+//! and with `k_nm` of `u^n beta^m` over the part
+//!
+//! ```text
+//! int x G = x1 W00 + (x2 - x1) L W10 + (x4 - x1) W01 + (x1 - x2 + x3 - x4) L W11
+//! W_nm = g1 k_nm + (g2 - g1) L k_n+1,m + (g4 - g1) k_n,m+1
+//! k_n0 = L (R/(n+1)     + S M_n0)
+//! k_n1 = L (R^2/2/(n+1) + S (R M_n0 + S M_n1))
+//! k_n2 = L (R^3/3/(n+1) + S (R^2 M_n0 + 2 R S M_n1 + S^2 M_n2))
+//! ```
+//!
 //! All of it is arithmetic and choices between numbers, without branches: in a loop over faces the compiler makes vector instructions of it.
 
 use crate::hyperbola::{Argument, Integrals};
@@ -44,6 +55,43 @@ pub(crate) struct Part {
     length: f64,
     right: f64,
     sign: f64,
+}
+
+/// What a coordinate is to be multiplied by for its integral over a part of a face.
+#[derive(Clone, Copy)]
+pub(crate) struct Weights {
+    all: [f64; 4],
+    length: f64,
+}
+
+impl Weights {
+    /// Those of a whole face with densities `g1`, `g2`, `g4`.
+    #[inline(always)]
+    pub(crate) fn of_whole_face([g1, g2, g4]: [f64; 3]) -> Self {
+        let (alpha, beta) = (g2 - g1, g4 - g1);
+        let [half, third] = [0.5 * g1, 1.0 / 3.0];
+        let all = [
+            g1 + 0.5 * (alpha + beta),
+            half + third * alpha + 0.25 * beta,
+            half + 0.25 * alpha + third * beta,
+            0.5 * half + (1.0 / 6.0) * (alpha + beta),
+        ];
+        Self { all, length: 1.0 }
+    }
+
+    /// The integral of `G`.
+    #[inline(always)]
+    pub(crate) fn area(&self) -> f64 {
+        self.all[0]
+    }
+
+    /// The integral of `x G` for the values of `x` at the corners.
+    #[inline(always)]
+    pub(crate) fn integrate(&self, [x1, x2, x3, x4]: [f64; 4]) -> f64 {
+        let [w00, w10, w01, w11] = self.all;
+        let (alpha, beta) = (x2 - x1, x4 - x1);
+        x1 * w00 + beta * w01 + self.length * (alpha * w10 + ((x3 - x4) - alpha) * w11)
+    }
 }
 
 /// What a part is made from, counted from one of the face's corners in outward order.
@@ -86,6 +134,38 @@ impl Part {
     #[inline(always)]
     pub(crate) fn z(&self) -> f64 {
         self.widening / (2.0 * self.rise + self.widening)
+    }
+
+    /// `W00`, `W10`, `W01` and `W11`.
+    #[inline(always)]
+    pub(crate) fn weights(&self, argument: Argument) -> Weights {
+        let Self { near, density: [g1, alpha, beta], rise, length, right, sign, .. } = *self;
+        let Integrals { m00, m10, .. } = argument.integrals();
+        let [m11, m20, m21] = argument.second_moments();
+        let step = near.abs() / rise - right;
+        let curved = argument.minus * step;
+        let square = right * right;
+        let [first, both] = [right * m00 + step * m10, right * m10 + step * m11];
+        let second = right * m20 + step * m21;
+        let k00 = right + curved * m00;
+        let k10 = 0.5 * right + curved * m10;
+        let k20 = (1.0 / 3.0) * right + curved * m20;
+        let k01 = 0.5 * square + curved * first;
+        let k11 = 0.25 * square + curved * both;
+        let k21 = (1.0 / 6.0) * square + curved * second;
+        let k02 = (1.0 / 3.0) * square * right + curved * (right * (first + step * m10) + step * step * m20);
+        let k12 = (1.0 / 6.0) * square * right + curved * (right * (both + step * m11) + step * step * m21);
+        let weighted =
+            |k: f64, along: f64, across: f64| sign * length * (g1 * k + alpha * along + beta * across);
+        Weights {
+            all: [
+                weighted(k00, k10, k01),
+                weighted(k10, k20, k11),
+                weighted(k01, k11, k02),
+                weighted(k11, k21, k12),
+            ],
+            length,
+        }
     }
 
     /// The integrals `V`, `A` and `dA/dlevel`.

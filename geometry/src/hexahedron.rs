@@ -322,9 +322,14 @@ impl Cell<3> for Hexahedron {
     }
 
     fn section_centroid(&self, half_space: &HalfSpace<3>) -> Option<Vector3> {
-        let along = Along::new(self, &half_space.normal);
-        let centroid = along.section_centroid(along.depth(half_space.constant))?;
-        Some(self.nodes[0] + self.frame.jacobian * (centroid - self.local[0]))
+        simd::widest(
+            #[inline(always)]
+            || {
+                let along = Along::new(self, &half_space.normal);
+                let centroid = along.section_centroid(along.depth(half_space.constant))?;
+                Some(self.nodes[0] + self.frame.jacobian * (centroid - self.local[0]))
+            },
+        )
     }
 
     fn plane_constant(

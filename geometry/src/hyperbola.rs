@@ -163,6 +163,15 @@ impl Argument {
         }
     }
 
+    /// `M11`, `M20` and `M21`, divided by `1 - z`; see [`crate::second_moments`]. `M11` far from zero cancels against the larger ones.
+    #[inline(always)]
+    pub(crate) fn second_moments(self) -> [f64; 3] {
+        let Self { z, minus, plus, even } = self;
+        let b = 1.0 / 3.0 - minus * plus * even;
+        let three = 3.0 * z * b;
+        [(1.0 / 48.0) * (2.0 - three * (3.0 - z)), (1.0 / 24.0) * (2.0 - three * minus), 0.125 * minus * b]
+    }
+
     #[inline(always)]
     pub(crate) fn integrals(self) -> Integrals {
         let Self { z, minus, plus, even } = self;

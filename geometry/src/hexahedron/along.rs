@@ -7,7 +7,7 @@ use crate::parallelepiped::UnitCube;
 use crate::plane_constant::Monotone;
 use crate::root::Value;
 
-use super::profile::Profile;
+use super::profile::{Profile, Shadow};
 use super::{Hexahedron, Vector3};
 
 /// A hexahedron along one normal, in its frame: heights of the nodes over the lowest of them, in units of `size`.
@@ -40,17 +40,14 @@ impl<'a> Along<'a> {
     #[inline(always)]
     pub(super) fn volume(&self, depth: f64) -> Value {
         let heights = self.heights.map(|h| h - depth);
-        let below = heights.iter().filter(|&&s| s <= 0.0).count();
         let whole = self.cell.local_volume;
-        if below % 8 == 0 {
-            return Value { value: if below == 0 { 0.0 } else { whole }, ..Value::default() };
-        }
-        // The smaller part is the one to compute, which keeps its relative accuracy.
-        let side = if below <= 4 { 1.0 } else { -1.0 };
+        let Some(side) = smaller_side(&heights) else {
+            return Value { value: if heights[0] > 0.0 { 0.0 } else { whole }, ..Value::default() };
+        };
         let m = self.direction.m * side;
         let Value { value, derivative, second } =
             Profile::new(&heights.map(|s| s * side), &self.cell.local, &m).volume(0.0);
-        Value { value: if below <= 4 { value } else { whole - value }, derivative, second: side * second }
+        Value { value: if side > 0.0 { value } else { whole - value }, derivative, second: side * second }
     }
 
     /// Volume and first moment below one depth, in the frame.
@@ -59,10 +56,27 @@ impl<'a> Along<'a> {
     }
 
     /// The centroid of the section at one depth, in the frame.
+    #[inline(always)]
     pub(super) fn section_centroid(&self, depth: f64) -> Option<Vector3> {
         let heights = self.heights.map(|h| h - depth);
-        let of_cell = if self.cell.affine { centroid::of_parallelepiped } else { centroid::of_hexahedron };
-        of_cell(&self.cell.local, &self.direction.m, &heights)
+        let m = &self.direction.m;
+        if self.cell.affine {
+            return centroid::of_parallelepiped(&self.cell.local, m, &heights);
+        }
+        let side = smaller_side(&heights)?;
+        let heights = heights.map(|s| s * side);
+        // Relative to the lowest node of that side, which keeps the digits of small sections.
+        let lowest = (1..8).fold(0, |best, i| if heights[i] < heights[best] { i } else { best });
+        let origin = self.cell.local[lowest];
+        let shadow = Shadow::new(&self.cell.local.map(|y| y - origin), &(m * side));
+        let [area, first, second] = Profile::over(&heights, &shadow).section(&shadow);
+        let [axis, j, k] = shadow.axes;
+        let mut centroid = Vector3::zeros();
+        (centroid[j], centroid[k]) = (-side * m[axis] * first / area, second / area);
+        // On the plane: `m` is 1 or -1 along the axis.
+        centroid[axis] = -m[axis] * (side * heights[lowest] + m[j] * centroid[j] + m[k] * centroid[k]);
+        // An area of zero where the plane touches a node or an edge.
+        centroid.iter().all(|c| c.is_finite()).then(|| origin + centroid)
     }
 
     /// The same, prepared for many depths.
@@ -76,6 +90,16 @@ impl<'a> Along<'a> {
             middle: heights.iter().sum::<f64>() / 8.0,
             total: self.cell.local_volume,
         }
+    }
+}
+
+/// For heights of the nodes over a plane, 1 if most of them are above it and -1 if most are below: on that side of the plane is the
+/// smaller part, which is the one to compute, for its relative accuracy. None where all are on one side.
+#[inline(always)]
+fn smaller_side(heights: &[f64; 8]) -> Option<f64> {
+    match heights.iter().filter(|&&s| s <= 0.0).count() {
+        0 | 8 => None,
+        below => Some(if below <= 4 { 1.0 } else { -1.0 }),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::array::from_fn;
 
 use crate::cell::Cell;
-use crate::face_part::{Corner, Part, either};
+use crate::face_part::{Corner, Part, Weights, either};
 use crate::hyperbola::Argument;
 use crate::root::Value;
 use crate::tolerance::HEIGHT_NEGLIGIBLE;
@@ -79,16 +79,43 @@ impl Cut {
     }
 }
 
-impl Profile {
-    /// For nodes `y` with these heights along `m`, whose largest component is 1 or -1.
+/// The faces projected along `e`, the axis in which the normal is largest: `X_i . e` is then a cross product in the plane of the other two.
+pub(super) struct Shadow {
+    /// The axis of `e`, and the other two in cyclic order.
+    pub(super) axes: [usize; 3],
+    /// Coordinates along the other two; the first with its sign changed where the normal points along the axis.
+    x: [[Lanes; 4]; 2],
+}
+
+impl Shadow {
+    /// Of nodes `y`, along a normal whose largest component is 1 or -1.
     #[inline(always)]
-    pub(super) fn new(heights: &[f64; 8], y: &[Vector3; 8], m: &Vector3) -> Self {
-        // `e` along the axis of that component: `X_i . e` is then a cross product in the plane of the other two.
+    pub(super) fn new(y: &[Vector3; 8], m: &Vector3) -> Self {
         let [x_is_largest, y_is_largest] = [m[0].abs() == 1.0, m[1].abs() == 1.0];
         let axis = if x_is_largest { 0 } else { if y_is_largest { 1 } else { 2 } };
         let (j, k) = if x_is_largest { (1, 2) } else { if y_is_largest { (2, 0) } else { (0, 1) } };
         let down = -m[axis].signum();
-        let shadow = [from_fn(|i| down * y[i].as_slice()[j]), from_fn(|i| y[i].as_slice()[k])];
+        let x = [from_fn(|i| down * y[i].as_slice()[j]), from_fn(|i| y[i].as_slice()[k])];
+        Self { axes: [axis, j, k], x: [corners(&x[0], 0.0), corners(&x[1], 0.0)] }
+    }
+
+    /// Both coordinates of the corners of a face.
+    #[inline(always)]
+    fn face(&self, i: usize) -> [[f64; 4]; 2] {
+        [0, 1].map(|axis| [0, 1, 2, 3].map(|corner| self.x[axis][corner][i]))
+    }
+}
+
+impl Profile {
+    /// For nodes `y` with these heights along `m`, whose largest component is 1 or -1.
+    #[inline(always)]
+    pub(super) fn new(heights: &[f64; 8], y: &[Vector3; 8], m: &Vector3) -> Self {
+        Self::over(heights, &Shadow::new(y, m))
+    }
+
+    /// For nodes with these heights and this shadow.
+    #[inline(always)]
+    pub(super) fn over(heights: &[f64; 8], shadow: &Shadow) -> Self {
         // Never below: for the lanes that are nothing.
         let mut profile = Self {
             heights: corners(heights, f64::MAX),
@@ -97,9 +124,9 @@ impl Profile {
             twist: [0.0; LANES],
             whole: [[0.0; LANES]; 2],
         };
-        let shadow = [corners(&shadow[0], 0.0), corners(&shadow[1], 0.0)];
         for i in 0..LANES {
-            profile.set_face(i, [0, 1, 2, 3].map(|corner| [shadow[0][corner][i], shadow[1][corner][i]]));
+            let [x, y] = shadow.face(i);
+            profile.set_face(i, [0, 1, 2, 3].map(|corner| [x[corner], y[corner]]));
         }
         profile
     }
@@ -156,6 +183,57 @@ impl Profile {
         Value { value: sum(&faces[0]), derivative: sum(&faces[1]), second: sum(&faces[2]) }
     }
 
+    /// Area and first moment of the section at depth 0, both projected along `e`, with the coordinates of the shadow.
+    #[inline(always)]
+    pub(super) fn section(&self, shadow: &Shadow) -> [f64; 3] {
+        let mut faces = [[0.0; LANES]; 3];
+        let mut rare = [0.0; LANES];
+        for i in 0..LANES {
+            let heights = self.heights(i, 0.0);
+            let cut = Cut::new(heights.map(|s| s <= 0.0));
+            let part = self.part(i, heights, &cut);
+            let z = part.z();
+            let weights = part.weights(Argument::near(z));
+            let whole = self.whole_weights(i);
+            let x = shadow.face(i);
+            let sum = |whole: f64, part: f64| either(cut.part, part, 0.0) + either(cut.whole, whole, 0.0);
+            faces[0][i] = sum(whole.area(), weights.area());
+            for axis in 0..2 {
+                faces[axis + 1][i] = sum(whole.integrate(x[axis]), weights.integrate(cut.turned(x[axis])));
+            }
+            rare[i] = either(cut.part & (cut.saddle | Argument::is_far(z)), 1.0, 0.0);
+        }
+        if sum(&rare) > 0.0 {
+            for i in (0..LANES).filter(|&i| rare[i] > 0.0) {
+                for (lanes, value) in faces.iter_mut().zip(self.rare_section(i, shadow)) {
+                    lanes[i] = value;
+                }
+            }
+        }
+        [sum(&faces[0]), sum(&faces[1]), sum(&faces[2])]
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn rare_section(&self, i: usize, shadow: &Shadow) -> [f64; 3] {
+        let (whole, parts) = self.rare_parts(i, 0.0);
+        let whole = whole.then(|| (None, self.whole_weights(i)));
+        let parts =
+            parts.into_iter().flatten().map(|(cut, part, argument)| (Some(cut), part.weights(argument)));
+        let mut sums = [0.0; 3];
+        for (cut, weights) in whole.into_iter().chain(parts) {
+            let x = shadow.face(i).map(|x| cut.as_ref().map_or(x, |cut| cut.turned(x)));
+            let integrals = [weights.area(), weights.integrate(x[0]), weights.integrate(x[1])];
+            sums.iter_mut().zip(integrals).for_each(|(sum, integral)| *sum += integral);
+        }
+        sums
+    }
+
+    #[inline(always)]
+    fn whole_weights(&self, i: usize) -> Weights {
+        Weights::of_whole_face([self.density[0][i], self.density[1][i], self.density[3][i]])
+    }
+
     #[inline(always)]
     fn heights(&self, i: usize, depth: f64) -> [f64; 4] {
         [0, 1, 2, 3].map(|corner| self.heights[corner][i] - depth)
@@ -187,31 +265,38 @@ impl Profile {
     #[cold]
     #[inline(never)]
     fn rare_face(&self, i: usize, depth: f64) -> Value {
+        let (whole, parts) = self.rare_parts(i, depth);
+        let mut sum = if whole { self.whole(i, depth) } else { Value::default() };
+        for (_, part, argument) in parts.into_iter().flatten() {
+            sum += part.integrate(argument);
+        }
+        sum
+    }
+
+    /// Whether the whole of such a face counts, and its parts.
+    fn rare_parts(&self, i: usize, depth: f64) -> (bool, [Option<(Cut, Part, Argument)>; 2]) {
         let heights = self.heights(i, depth);
         let below = heights.map(|s| s <= 0.0);
         let mut cut = Cut::new(below);
-        let mut parts = [Some(cut.turn), None];
+        let mut turns = [Some(cut.turn), None];
         if cut.saddle {
             // The corners below meet across the saddle, and the other two are missing, or they do not.
             let first = usize::from(!below[0]);
             let joined = heights[first] * heights[first + 2] > heights[first + 1] * heights[(first + 3) & 3];
             let counted_from = first ^ usize::from(joined);
-            parts = [false, true].map(|half| Some([half, counted_from == 1]));
+            turns = [false, true].map(|half| Some([half, counted_from == 1]));
             (cut.whole, cut.rest) = (joined, joined);
         }
-        let mut sum = if cut.whole { self.whole(i, depth) } else { Value::default() };
-        for turn in parts.into_iter().flatten() {
+        let part = |turn| {
             let cut = Cut { turn, ..cut };
             let part = self.part(i, heights, &cut);
             let z = part.z();
             let far = Argument::is_far(z);
-            sum += part.integrate(if far {
-                Argument::far(z, self.quotient(i, heights, &cut))
-            } else {
-                Argument::near(z)
-            });
-        }
-        sum
+            let argument =
+                if far { Argument::far(z, self.quotient(i, heights, &cut)) } else { Argument::near(z) };
+            (cut, part, argument)
+        };
+        (cut.whole, turns.map(|turn| turn.map(part)))
     }
 
     /// `c'` and `c` of a part, or numbers in the same ratio, where their difference does not tell the smaller one.
