@@ -47,8 +47,8 @@ struct Plane<const D: usize> {
     middle: Vector<D>,
     /// The square of the last turn.
     turn: f64,
-    /// Weighted mean square of the heights of the neighbours' middles over it, in squared cells.
-    spread: f64,
+    /// What its middle is worth to others.
+    certainty: f64,
 }
 
 /// The mixed cells around one, by place among all.
@@ -118,7 +118,7 @@ impl<C: Cell<D>, const D: usize> Problem<'_, C, D> {
             let middle = self.middle(i, &cell, &direction.normal)?;
             let anchor = self.material.mesh.anchor(index);
             let direction = Direction { trials: 1, ..direction };
-            Some(Plane { direction, anchor, middle, turn: f64::INFINITY, spread: 1.0 })
+            Some(Plane { direction, anchor, middle, turn: f64::INFINITY, certainty: self.certainty(i, 1.0) })
         });
         (found, plane)
     }
@@ -143,10 +143,10 @@ impl<C: Cell<D>, const D: usize> Problem<'_, C, D> {
     }
 
     /// What the middle of a section is worth: small sections turn about places of their own, and a plane that its own neighbours
-    /// contradict says little about others.
-    fn certainty(&self, i: usize, plane: &Plane<D>) -> f64 {
+    /// contradict says little about others. `spread` is the weighted mean square of the heights of their middles over it, in squared cells.
+    fn certainty(&self, i: usize, spread: f64) -> f64 {
         let f = self.material.fractions[self.cells[i]];
-        (f * (1.0 - f) / (plane.spread + TURN_ROUNDING)).sqrt()
+        (f * (1.0 - f) / (spread + TURN_ROUNDING)).sqrt()
     }
 
     fn links(&self, i: usize) -> Links {
@@ -177,7 +177,7 @@ impl<C: Cell<D>, const D: usize> Problem<'_, C, D> {
         let (mut matrix, mut right) = (SMatrix::<f64, D, D>::zeros(), Vector::<D>::zeros());
         let (mut places, mut heights, mut squares) = (Vector::<D>::zeros(), 0.0, 0.0);
         // The cell's own middle is one of the points, at the origin.
-        let (mut turn, mut weights) = (own.turn, self.certainty(i, &own));
+        let (mut turn, mut weights) = (own.turn, own.certainty);
         for (place, step) in links.iter() {
             let Some(other) = planes[place] else { continue };
             if own.direction.normal.dot(&other.direction.normal) < CONNECTED_NORMALS {
@@ -187,10 +187,11 @@ impl<C: Cell<D>, const D: usize> Problem<'_, C, D> {
             let arm = frame.point(&((other.middle - own.middle) + (other.anchor - own.anchor) + beyond));
             let h = normal.dot(&arm);
             let t = arm - normal * h;
-            if h.abs() > CONNECTED_SLOPE * t.norm() {
+            if h * h > CONNECTED_SLOPE * CONNECTED_SLOPE * t.norm_squared() {
                 continue;
             }
-            let weight = self.certainty(place, &other) / arm.norm().powi(3);
+            let square = arm.norm_squared();
+            let weight = other.certainty / (square * square.sqrt());
             matrix += t * t.transpose() * weight;
             right += t * (weight * h);
             squares += weight * h * h;
@@ -208,13 +209,14 @@ impl<C: Cell<D>, const D: usize> Problem<'_, C, D> {
         right -= places * (heights / weights);
         if !(least_curvature(&matrix) > PLANE_DETERMINED * weights) {
             let direction = Direction { determined: false, ..own.direction };
-            let open = Plane { direction, turn: f64::INFINITY, spread: f64::INFINITY, ..own };
+            let open = Plane { direction, turn: f64::INFINITY, certainty: 0.0, ..own };
             return own.direction.determined.then_some(open);
         }
         let step = solve_across(&matrix, &right, &normal);
         let turned = frame.in_space(&(normal - step));
         let middle = self.middle(i, &mesh.local_cell(index), &turned)?;
         let direction = Direction { normal: turned, determined: true, trials: own.direction.trials + 1 };
-        Some(Plane { direction, middle, turn: step.norm_squared(), spread, ..own })
+        let certainty = self.certainty(i, spread);
+        Some(Plane { direction, middle, turn: step.norm_squared(), certainty, ..own })
     }
 }

@@ -4,6 +4,7 @@
 //! `df/dxi_k = (fbar_{k+1} - fbar_{k-1}) / 2` per cell; in 3D the layer's weights are 1 at its corners, 2 at its edges and 4 in the
 //! middle, over 16 (Eq. 83); in 2D 1, 2, 1 over 4 (Eq. 84). The normal points out of the material: `n = -grad f / |grad f|`.
 
+use nalgebra::SMatrix;
 use vofkit_geometry::{Cell, Vector};
 
 use super::stencil::{Stencil, stencil_cells};
@@ -63,10 +64,8 @@ pub(super) fn in_space<C: Cell<D>, const D: usize>(
     if mesh.is_undistorted() {
         return around.cell.physical_gradient(gradient);
     }
-    let columns = stencil_jacobian(mesh, around.offset);
-    // The parallelepiped with these edges has this Jacobian.
-    let patch = C::from_corners(|corner| (0..D).map(|axis| columns[axis] * corner[axis] as f64).sum());
-    patch.physical_gradient(gradient)
+    let jacobian = SMatrix::from_columns(&stencil_jacobian(mesh, around.offset));
+    jacobian.transpose().try_inverse().map_or(Vector::zeros(), |inverse| inverse * gradient)
 }
 
 /// Youngs' normal in space.
@@ -81,13 +80,28 @@ pub(super) fn physical<C: Cell<D>, const D: usize>(around: &Around<'_, C, D>) ->
 fn stencil_jacobian<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, offset: [usize; D]) -> [Vector<D>; D] {
     const SLOPE: [f64; 4] = [-0.25, -0.25, 0.25, 0.25];
     const MEAN: [f64; 4] = [0.125, 0.375, 0.375, 0.125];
+    let grid = mesh.grid();
+    let inner = (0..D).all(|k| offset[k] > 0 && offset[k] + 1 < grid.cells()[k]);
     let mut columns = [Vector::<D>::zeros(); D];
-    for place in 0..4_usize.pow(D as u32) {
-        let step: [usize; D] = std::array::from_fn(|axis| place >> (2 * axis) & 3);
-        let x = extended_node(mesh, std::array::from_fn(|axis| (offset[axis] + step[axis]) as isize - 1));
+    // Rows of four nodes along the first axis.
+    for row in 0..4_usize.pow(D as u32 - 1) {
+        let step: [usize; D] =
+            std::array::from_fn(|axis| if axis == 0 { 0 } else { row >> (2 * (axis - 1)) & 3 });
+        let nodes: [Vector<D>; 4] = if inner {
+            let first = grid.node_index(std::array::from_fn(|axis| offset[axis] + step[axis] - 1));
+            std::array::from_fn(|i| mesh.nodes()[first + i])
+        } else {
+            let at = |axis: usize, i: usize| {
+                (offset[axis] + step[axis] + if axis == 0 { i } else { 0 }) as isize - 1
+            };
+            std::array::from_fn(|i| extended_node(mesh, std::array::from_fn(|axis| at(axis, i))))
+        };
+        let [a, b, c, d] = nodes;
+        let (slope, mean) = (((c + d) - (a + b)) * SLOPE[2], (a + d) * MEAN[0] + (b + c) * MEAN[1]);
         for (axis, column) in columns.iter_mut().enumerate() {
             let weight = |k: usize| if k == axis { SLOPE[step[k]] } else { MEAN[step[k]] };
-            *column += x * (0..D).map(weight).product::<f64>();
+            let along = if axis == 0 { slope } else { mean };
+            *column += along * (1..D).map(weight).product::<f64>();
         }
     }
     columns
