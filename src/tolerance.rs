@@ -31,6 +31,10 @@ pub const MISFIT_ROUNDING: f64 = 1e-28;
 /// A misfit (of fractions, squared and weighted) below this is none: the plane fits the patch as exactly as the fractions are known.
 pub const MISFIT_NONE: f64 = 1e-20;
 
+/// The part of a misfit that derivatives may leave behind where a plane can fit the patch to rounding: it is the square of the turn
+/// to that plane, which is some tenths at most, and what sections change by on the way.
+pub const MISFIT_CURVED: f64 = 0.25;
+
 /// How many times smaller the squared misfit of a material has to be with something set aside than without. Interfaces that end at
 /// another one are fitted exactly that way, curved ones hardly better; touching bodies are carried best from about 16 on.
 pub(crate) const ASIDE_MISFIT: f64 = 16.0;
@@ -87,8 +91,9 @@ pub const CONNECTED_NORMALS: f64 = 0.5;
 pub const CONNECTED_SLOPE: f64 = 1.0;
 
 /// Rounds after which the planes of neighbours are taken as they are. Errors are squared in each, so that a common plane is found in
-/// four or five, next to corners a few rounds later; along a curve two or three bring all that there is to gain.
-pub const RELAXED_ROUNDS: usize = 12;
+/// four or five; along a curve two or three bring all that there is to gain, and at the rims of sheets, where planes do not come
+/// to rest, more of them change errors either way.
+pub const RELAXED_ROUNDS: usize = 6;
 
 /// The square of the last turn of a plane and its neighbours, relative to the mean square of the heights of their middles over it, below
 /// which it stays: further rounds would change less than a tenth of what remains.

@@ -16,8 +16,8 @@ use nalgebra::SMatrix;
 use vofkit_geometry::Vector;
 
 use crate::tolerance::{
-    DESCENT_DAMPING, DESCENT_GAIN, DESCENT_POINTS, DESCENT_TURN, MISFIT_ROUNDING, NORMAL_EQUATIONS,
-    PLANE_DETERMINED,
+    DESCENT_DAMPING, DESCENT_GAIN, DESCENT_POINTS, DESCENT_TURN, MISFIT_CURVED, MISFIT_NONE, MISFIT_ROUNDING,
+    NORMAL_EQUATIONS, PLANE_DETERMINED,
 };
 
 /// The misfit at one normal.
@@ -43,6 +43,12 @@ impl<const D: usize> Sample<D> {
         self.misfit += residual * residual;
         self.gradient += slope * residual;
         self.curvature += slope * slope.transpose();
+    }
+
+    /// Whether a turn may make the misfit vanish: by the derivatives little of it is left. Only the square of the turn speaks against them.
+    pub(super) fn may_vanish(&self, normal: &Vector<D>) -> bool {
+        let gain = -step(self, normal, 0.0).dot(&self.gradient);
+        self.misfit - gain <= (MISFIT_CURVED * self.misfit).max(MISFIT_NONE)
     }
 }
 

@@ -23,26 +23,37 @@ use vofkit_geometry::{Cell, HalfSpace, PositionMethod, Vector};
 
 use super::descent::{Damping, Descent, Sample, descend};
 use super::patch::{Met, Patch};
-use super::{Around, Direction, Found, NoNormal};
+use super::{Around, Direction, Found};
 use super::{elvira, least_squares, youngs};
-use crate::tolerance::{CELL_PART, MISFIT_POOR, SPREAD_LEAST, STARTS_APART};
+use crate::tolerance::{CELL_PART, MISFIT_NONE, MISFIT_POOR, SPREAD_LEAST, STARTS_APART};
+
+/// The normal of the plane near another one that fits the patch to rounding, if there is one: where the derivatives at the other one
+/// leave a misfit, there is none.
+pub(super) fn exact<C: Cell<D>, const D: usize>(
+    around: &Around<'_, C, D>,
+    position: PositionMethod,
+    start: &Vector<D>,
+) -> Option<Direction<D>> {
+    let mut fit = Fit::new(around, position);
+    let start = fit.patch.frame.normal(start);
+    if !fit.sample(&start, true)?.may_vanish(&start) {
+        return None;
+    }
+    let Descent { normal, misfit, determined } = fit.descend(start)?;
+    (determined && misfit <= MISFIT_NONE).then(|| {
+        let normal = fit.patch.frame.in_space(&normal);
+        Direction { normal, determined, trials: fit.trials }
+    })
+}
 
 pub(super) fn normal<C: Cell<D>, const D: usize>(
     around: &Around<'_, C, D>,
     position: PositionMethod,
 ) -> Found<D> {
-    with_misfit(around, position).map(|(direction, _)| direction)
-}
-
-/// The normal with the misfit of its plane.
-pub(super) fn with_misfit<C: Cell<D>, const D: usize>(
-    around: &Around<'_, C, D>,
-    position: PositionMethod,
-) -> Result<(Direction<D>, f64), NoNormal> {
     let start = youngs::physical(around)?;
     let mut fit = Fit::new(around, position);
     let Some(mut best) = fit.descend(fit.patch.frame.normal(&start.normal)) else {
-        return Ok((Direction { determined: false, trials: fit.trials, ..start }, f64::INFINITY));
+        return Ok(Direction { determined: false, trials: fit.trials, ..start });
     };
     if best.misfit > MISFIT_POOR * fit.patch.neighbours().count() as f64 {
         // In 3D there are 27 candidates of ELVIRA, and none of them is better than a gradient.
@@ -66,7 +77,7 @@ pub(super) fn with_misfit<C: Cell<D>, const D: usize>(
         }
     }
     let normal = if best.determined { fit.patch.frame.in_space(&best.normal) } else { start.normal };
-    Ok((Direction { normal, determined: best.determined, trials: fit.trials }, best.misfit))
+    Ok(Direction { normal, determined: best.determined, trials: fit.trials })
 }
 
 /// The misfit of planes over one patch.

@@ -16,8 +16,8 @@
 //! The original has `h_0 = 0` and equal weights. There a small section that lies wrong keeps itself wrong, and a corner is felt two cells
 //! away, since the plane next to it counts as much as one whose neighbours all agree with it. Circles come out better with these weights, too.
 //!
-//! Planes may not come to rest: next to a corner, or where a small section and a plane that leans on it keep each other wrong. Where
-//! [LVIRA](super::lvira) then finds a plane that fits the patch to rounding, it is taken.
+//! Planes may not come to rest: at the rim of a sheet, next to a corner, or where a small section and a plane that leans on it keep each
+//! other wrong. Where all planes around belong together and [LVIRA](super::lvira) then finds one that fits the patch to rounding, it is taken.
 //!
 //! **Neighbours** are the cells of the patch whose section belongs to the same piece of interface: their normals lie within 60
 //! degrees, and the line between the middles within 45 degrees of the present plane. So the other side of a film or of a narrow
@@ -33,8 +33,7 @@ use super::stencil::{stencil_cells, step_of};
 use super::{Around, Direction, Found, Material, NormalMethod, Stencil, lvira};
 use crate::parallel;
 use crate::tolerance::{
-    CONNECTED_NORMALS, CONNECTED_SLOPE, MISFIT_NONE, PLANE_DETERMINED, RELAXED_GAIN, RELAXED_ROUNDS,
-    TURN_ROUNDING,
+    CONNECTED_NORMALS, CONNECTED_SLOPE, PLANE_DETERMINED, RELAXED_GAIN, RELAXED_ROUNDS, TURN_ROUNDING,
 };
 
 /// A plane on the way.
@@ -95,7 +94,7 @@ pub(super) fn relaxed<C: Cell<D>, const D: usize>(
     let settled = |i: usize| {
         let Some(plane) = planes[i] else { return found[i] };
         let restless = next[i].is_some() && plane.direction.determined;
-        let fitted = if restless { problem.fitted(i) } else { None };
+        let fitted = if restless { problem.fitted(i, &plane, &links[i], &planes) } else { None };
         Ok(fitted.unwrap_or(plane.direction))
     };
     parallel::map(cells.len(), settled)
@@ -123,16 +122,31 @@ impl<C: Cell<D>, const D: usize> Problem<'_, C, D> {
         (found, plane)
     }
 
-    /// LVIRA's normal, where its plane fits the patch to rounding.
-    fn fitted(&self, i: usize) -> Option<Direction<D>> {
+    /// LVIRA's normal, where all planes around belong together and its plane fits the patch to rounding: near the normal of the most
+    /// certain of them, since a plane that is common to all is known best there.
+    fn fitted(
+        &self,
+        i: usize,
+        own: &Plane<D>,
+        links: &Links,
+        planes: &[Option<Plane<D>>],
+    ) -> Option<Direction<D>> {
+        let mut best = own;
+        for other in links.iter().filter_map(|(place, _)| planes[place].as_ref()) {
+            if own.direction.normal.dot(&other.direction.normal) < CONNECTED_NORMALS {
+                return None;
+            }
+            if other.certainty > best.certainty {
+                best = other;
+            }
+        }
         let index = self.cells[i];
         let cell = self.material.mesh.local_cell(index);
         let grid = self.material.mesh.grid();
         let offset = grid.offset(index);
         let stencil = Stencil::new(grid, self.material.fractions, offset);
         let around = Around { material: self.material, index, offset, cell: &cell, stencil };
-        let (found, misfit) = lvira::with_misfit(&around, self.position).ok()?;
-        (found.determined && misfit <= MISFIT_NONE).then_some(found)
+        lvira::exact(&around, self.position, &best.direction.normal)
     }
 
     /// The middle of the section with this normal that leaves the cell its volume.

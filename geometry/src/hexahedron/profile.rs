@@ -47,6 +47,13 @@ struct Cut {
     turn: [bool; 2],
 }
 
+/// A part of a face that has two of them, or a far argument.
+struct RarePart {
+    cut: Cut,
+    part: Part,
+    argument: Argument,
+}
+
 impl Cut {
     #[inline(always)]
     fn new([a, b, c, d]: [bool; 4]) -> Self {
@@ -217,14 +224,17 @@ impl Profile {
     #[inline(never)]
     fn rare_section(&self, i: usize, shadow: &Shadow) -> [f64; 3] {
         let (whole, parts) = self.rare_parts(i, 0.0);
-        let whole = whole.then(|| (None, self.whole_weights(i)));
-        let parts =
-            parts.into_iter().flatten().map(|(cut, part, argument)| (Some(cut), part.weights(argument)));
+        let x = shadow.face(i);
         let mut sums = [0.0; 3];
-        for (cut, weights) in whole.into_iter().chain(parts) {
-            let x = shadow.face(i).map(|x| cut.as_ref().map_or(x, |cut| cut.turned(x)));
+        let mut add = |weights: Weights, x: [[f64; 4]; 2]| {
             let integrals = [weights.area(), weights.integrate(x[0]), weights.integrate(x[1])];
             sums.iter_mut().zip(integrals).for_each(|(sum, integral)| *sum += integral);
+        };
+        if whole {
+            add(self.whole_weights(i), x);
+        }
+        for RarePart { cut, part, argument } in parts.into_iter().flatten() {
+            add(part.weights(argument), x.map(|x| cut.turned(x)));
         }
         sums
     }
@@ -267,14 +277,14 @@ impl Profile {
     fn rare_face(&self, i: usize, depth: f64) -> Value {
         let (whole, parts) = self.rare_parts(i, depth);
         let mut sum = if whole { self.whole(i, depth) } else { Value::default() };
-        for (_, part, argument) in parts.into_iter().flatten() {
+        for RarePart { part, argument, .. } in parts.into_iter().flatten() {
             sum += part.integrate(argument);
         }
         sum
     }
 
     /// Whether the whole of such a face counts, and its parts.
-    fn rare_parts(&self, i: usize, depth: f64) -> (bool, [Option<(Cut, Part, Argument)>; 2]) {
+    fn rare_parts(&self, i: usize, depth: f64) -> (bool, [Option<RarePart>; 2]) {
         let heights = self.heights(i, depth);
         let below = heights.map(|s| s <= 0.0);
         let mut cut = Cut::new(below);
@@ -294,7 +304,7 @@ impl Profile {
             let far = Argument::is_far(z);
             let argument =
                 if far { Argument::far(z, self.quotient(i, heights, &cut)) } else { Argument::near(z) };
-            (cut, part, argument)
+            RarePart { cut, part, argument }
         };
         (cut.whole, turns.map(|turn| turn.map(part)))
     }
