@@ -47,7 +47,7 @@ impl<const D: usize> Sample<D> {
 
     /// Whether a turn may make the misfit vanish: by the derivatives little of it is left. Only the square of the turn speaks against them.
     pub(super) fn may_vanish(&self, normal: &Vector<D>) -> bool {
-        let gain = -step(self, normal, 0.0).dot(&self.gradient);
+        let gain = -step(self, normal, 0.0, Damping::Alike).dot(&self.gradient);
         self.misfit - gain <= (MISFIT_CURVED * self.misfit).max(MISFIT_NONE)
     }
 }

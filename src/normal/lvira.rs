@@ -39,7 +39,7 @@ pub(super) fn exact<C: Cell<D>, const D: usize>(
     if !fit.sample(&start, true)?.may_vanish(&start) {
         return None;
     }
-    let Descent { normal, misfit, determined } = fit.descend(start)?;
+    let Descent { normal, misfit, determined, .. } = fit.descend(start)?;
     (determined && misfit <= MISFIT_NONE).then(|| {
         let normal = fit.patch.frame.in_space(&normal);
         Direction { normal, determined, trials: fit.trials }
