@@ -125,8 +125,9 @@ fn errors<C: Cell<2>>(mesh: &Mesh<C, 2>, scheme: Scheme, period: f64) -> [f64; 2
     })
 }
 
-/// How many times the error of the formula. Pre-images see fluxes whose error is not that of the paths of the nodes; sweeps see fluxes alone.
-const SCHEMES: [(Scheme, f64); 2] = [(Scheme::Sweeps, 1.1), (Scheme::Unsplit, 1.5)];
+/// How many times the error of the formula. Pre-images see fluxes whose error is not that of the paths of the nodes; sweeps see fluxes
+/// alone, and planes at the rims of films that do not come to rest, which chance moves the errors of both by a fifth.
+const SCHEMES: [(Scheme, f64); 2] = [(Scheme::Sweeps, 1.3), (Scheme::Unsplit, 1.5)];
 
 #[test]
 fn a_series_comes_as_near_as_the_formula() {
