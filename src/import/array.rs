@@ -2,7 +2,7 @@
 //!
 //! Binary numbers follow a header of whole numbers: their bytes, or, if they are compressed, the number of blocks, the bytes of a
 //! whole and of the last block, and the compressed bytes of each. As base64 the header and the compressed blocks are two pieces; without
-//! compression header and numbers are one.
+//! compression header and numbers are one. In legacy files they have no header.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -14,7 +14,7 @@ use base64::prelude::BASE64_STANDARD;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Coding {
     pub(super) big_endian: bool,
-    /// Bytes of a number of a header: 4 or 8.
+    /// Bytes of a number of a header: 4 or 8, and 0 where there are no headers.
     pub(super) word: usize,
     pub(super) compressor: Option<Compressor>,
 }
@@ -51,7 +51,8 @@ impl Kind {
         })
     }
 
-    fn bytes(self) -> usize {
+    /// Bytes of a number.
+    pub(super) fn bytes(self) -> usize {
         let (Self::Float(bytes) | Self::Int(bytes) | Self::Unsigned(bytes)) = self;
         bytes
     }
@@ -110,6 +111,9 @@ impl<'a> Stream<'a> {
 }
 
 impl Coding {
+    /// Of legacy files: big-endian numbers and nothing else.
+    pub(super) const BARE: Self = Self { big_endian: true, word: 0, compressor: None };
+
     /// `count` numbers that are written as text.
     pub(super) fn ascii(text: &str, count: usize) -> Result<Vec<f64>, String> {
         let number =
@@ -144,6 +148,9 @@ impl Coding {
     }
 
     fn plain(self, stream: Stream<'_>, wanted: usize) -> Result<Cow<'_, [u8]>, String> {
+        if self.word == 0 {
+            return Ok(stream.take(wanted)?.0);
+        }
         let (header, _) = stream.take(self.word)?;
         self.check_size(self.words(&header).sum(), wanted)?;
         let (bytes, _) = stream.take(self.word.saturating_add(wanted))?;

@@ -5,9 +5,8 @@ use std::fs;
 use vofkit_geometry::Vector;
 use vofkit_geometry::clip::bounds;
 
-use super::document::Document;
 use super::error::OddCentroid;
-use super::{ImportError, StructuredGrid, reverse_layers};
+use super::{ImportError, StructuredGrid, reverse_layers, take_apart};
 use crate::interface::is_mixed;
 use crate::mesh::Grid;
 use crate::tolerance::CENTROID_OUTSIDE;
@@ -28,7 +27,7 @@ impl StructuredGrid {
         let bytes =
             fs::read(&self.path).map_err(|error| ImportError::Read { path: self.path.clone(), error })?;
         let wanted = |section: &str, name: &str| section == "CellData" && name.starts_with(CENTROID);
-        let document = Document::parse(&self.path, &bytes, "StructuredGrid", &wanted)?;
+        let document = take_apart(&self.path, &bytes, &wanted)?;
         let Some(array) = document.array("CellData", &name)? else {
             let there: Vec<String> = document.section("CellData").map(|array| array.name.clone()).collect();
             let there = if there.is_empty() { "none".to_owned() } else { there.join(", ") };

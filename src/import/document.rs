@@ -1,4 +1,4 @@
-//! The parts of a VTK XML file: elements of XML, with numbers in them or appended behind them.
+//! The parts of a VTK file. Those of XML are elements, with numbers in them or appended behind them; other files say the same.
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ const REWRITE: &str = "write the file anew with its own program, in one piece";
 /// The arrays that a reader asks for: whether it needs one of a name in a section such as `CellData`.
 pub(super) type Wanted<'a> = &'a dyn Fn(&str, &str) -> bool;
 
-/// What precedes appended numbers is XML; the parts of it that matter.
+/// The parts of a file that matter. Of XML they are in what precedes the appended numbers.
 pub(super) struct Document<'a> {
     path: PathBuf,
     coding: Coding,
@@ -30,13 +30,13 @@ pub(super) struct Document<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct ArrayText {
     /// The element that it is in, such as `Points` or `CellData`.
-    section: String,
+    pub(super) section: String,
     pub(super) name: String,
-    kind: String,
-    components: String,
-    format: String,
-    offset: String,
-    text: String,
+    pub(super) kind: String,
+    pub(super) components: String,
+    pub(super) format: String,
+    pub(super) offset: String,
+    pub(super) text: String,
 }
 
 impl ArrayText {
@@ -109,6 +109,18 @@ impl<'a> Document<'a> {
         Ok(Self { path: path.to_owned(), coding, appended, attributes, arrays })
     }
 
+    /// A structured grid whose binary numbers lie bare among the bytes of the file.
+    pub(super) fn bare(path: &Path, bytes: &'a [u8], extent: [i64; 6], arrays: Vec<ArrayText>) -> Self {
+        let extent = extent.map(|end| end.to_string()).join(" ");
+        Self {
+            path: path.to_owned(),
+            coding: Coding::BARE,
+            appended: Some(Stream::Raw(bytes)),
+            attributes: vec![("Extent".to_owned(), extent)],
+            arrays,
+        }
+    }
+
     /// An error of the whole file.
     pub(super) fn wrong(&self, problem: String) -> ImportError {
         ImportError::Grid { path: self.path.clone(), problem, help: REWRITE }
@@ -131,19 +143,7 @@ impl<'a> Document<'a> {
         let numbers: Vec<i64> = text.split_ascii_whitespace().map_while(|word| word.parse().ok()).collect();
         let extent = <[i64; 6]>::try_from(numbers)
             .map_err(|_| self.wrong(format!("its extent \"{text}\" is not six whole numbers")))?;
-        let count = |axis: usize| {
-            let [first, last] = [extent[2 * axis], extent[2 * axis + 1]];
-            last.checked_sub(first)?
-                .checked_add(1)
-                .and_then(|count| usize::try_from(count).ok())
-                .filter(|&n| n > 0)
-        };
-        let counts = [count(0), count(1), count(2)];
-        let total = counts.iter().try_fold(1_usize, |total, &count| total.checked_mul(count?));
-        match (counts, total) {
-            ([Some(x), Some(y), Some(z)], Some(_)) => Ok([x, y, z]),
-            _ => Err(self.wrong(format!("its extent {extent:?} counts no nodes"))),
-        }
+        count_nodes(&extent).ok_or_else(|| self.wrong(format!("its extent {extent:?} counts no nodes")))
     }
 
     /// The arrays of a section in the order of the file.
@@ -259,6 +259,16 @@ impl<'a> Document<'a> {
         };
         self.coding.binary(stream, kind, count).map_err(wrong)
     }
+}
+
+/// Nodes along each axis between the first and the last of an extent; none where there are none, or more than can be counted.
+pub(super) fn count_nodes(extent: &[i64; 6]) -> Option<[usize; 3]> {
+    let count = |axis: usize| {
+        let count = extent[2 * axis + 1].checked_sub(extent[2 * axis])?.checked_add(1)?;
+        usize::try_from(count).ok().filter(|&count| count > 0)
+    };
+    let counts = [count(0)?, count(1)?, count(2)?];
+    counts.iter().try_fold(1_usize, |total, &count| total.checked_mul(count)).map(|_| counts)
 }
 
 /// The XML up to and with the start of appended data, and what follows the mark `_`; none without the mark.

@@ -1,8 +1,9 @@
-//! Meshes and volume fractions from someone else's VTK structured grids (`.vts`), and what `vofkit run` wrote.
+//! Meshes and volume fractions from someone else's VTK structured grids (`.vts`, or legacy `.vtk`), and what `vofkit run` wrote.
 //!
 //! - this file: a [`StructuredGrid`] as a file gives it, and as a mesh takes it; `velocity`: a [`NodalVelocity`] on such a grid;
 //! - `poly_data`: interfaces (`.vtp`); `series`: which files belong to which time (`.pvd`);
-//! - `document`: the parts of a file; `array`: its numbers, from every encoding that VTK writes but LZMA;
+//! - `document`: the parts of a file, of XML; `legacy`: the same of a legacy file, whose words are in `legacy_text`;
+//! - `array`: the numbers, from every encoding that VTK writes but LZMA;
 //! - `centroids`: those of the materials, for normals that need them;
 //! - [`error`]: what can be wrong, with file, array and cell.
 //!
@@ -14,6 +15,8 @@ mod array;
 mod centroids;
 mod document;
 pub mod error;
+mod legacy;
+mod legacy_text;
 mod poly_data;
 mod series;
 mod velocity;
@@ -25,7 +28,7 @@ use vofkit_geometry::{Cell, Hexahedron, Quad, Vector};
 
 use crate::mesh::{Grid, axis_name};
 use crate::tolerance::{FRACTION_SUM, PLANAR};
-use document::Document;
+use document::{Document, Wanted};
 pub use error::ImportError;
 pub use poly_data::read_facets;
 pub use series::{TimedFile, read_series, velocity_files};
@@ -64,7 +67,7 @@ impl StructuredGrid {
         let wanted = |section: &str, name: &str| {
             section == "Points" || section == "CellData" && name.starts_with(ALPHA)
         };
-        let document = Document::parse(path, &bytes, "StructuredGrid", &wanted)?;
+        let document = take_apart(path, &bytes, &wanted)?;
         Self::of(path, &document)
     }
 
@@ -232,6 +235,15 @@ impl StructuredGrid {
             )
         });
         reversed.into_iter().chain(divided).collect()
+    }
+}
+
+/// Takes a structured grid apart, whether it is in an XML or a legacy file; arrays that are not wanted are left out.
+fn take_apart<'a>(path: &Path, bytes: &'a [u8], wanted: Wanted<'_>) -> Result<Document<'a>, ImportError> {
+    if legacy::is_legacy(path, bytes) {
+        legacy::parse(path, bytes, wanted)
+    } else {
+        Document::parse(path, bytes, "StructuredGrid", wanted)
     }
 }
 

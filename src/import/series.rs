@@ -33,7 +33,7 @@ pub fn read_series(path: impl AsRef<Path>) -> Result<Vec<TimedFile>, ImportError
     Ok(files)
 }
 
-/// The structured grids (`.vts`) that a velocity is in: one, or those of a time series (`.pvd`), all of which are there.
+/// The structured grids (`.vts`, `.vtk`) that a velocity is in: one, or those of a time series (`.pvd`), all of which are there.
 ///
 /// # Errors
 /// A series that cannot be read, has no structured grids, whose times do not increase, or of which a file is not there.
@@ -48,10 +48,10 @@ pub fn velocity_files(path: impl AsRef<Path>) -> Result<Vec<TimedFile>, ImportEr
     let wrong =
         |problem: String, help: &'static str| ImportError::Grid { path: path.to_owned(), problem, help };
     let mut files = entries(path)?;
-    files.retain(|file| has_extension(&file.path, "vts"));
+    files.retain(|file| ["vts", "vtk"].iter().any(|wanted| has_extension(&file.path, wanted)));
     if files.is_empty() {
         return Err(wrong(
-            "it names no structured grids (.vts)".to_owned(),
+            "it names no structured grids (.vts or .vtk)".to_owned(),
             "name the files of the velocity in it",
         ));
     }

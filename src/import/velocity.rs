@@ -8,7 +8,7 @@ use vofkit_geometry::{Cell, Vector};
 
 use super::document::Document;
 use super::error::ImportError;
-use super::{StructuredGrid, reverse_layers};
+use super::{StructuredGrid, reverse_layers, take_apart};
 use crate::mesh::Mesh;
 use crate::parallel;
 use crate::tolerance::SAME_NODE;
@@ -44,7 +44,7 @@ impl NodalVelocity {
             others.borrow_mut().push(format!("{kind} `{name}`"));
             name == VELOCITY
         };
-        let document = Document::parse(path, &bytes, "StructuredGrid", &wanted)?;
+        let document = take_apart(path, &bytes, &wanted)?;
         let grid = StructuredGrid::of(path, &document)?;
         let at_nodes = document.array("PointData", VELOCITY)?.is_some();
         let section = if at_nodes { "PointData" } else { "CellData" };

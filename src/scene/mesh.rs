@@ -137,7 +137,7 @@ impl MeshSection {
             (None, None) => Err(context.error(
                 place,
                 "missing key `cells`: the mesh has neither cells nor a file",
-                "give mesh.cells, such as cells = [32, 32], or mesh.file, a VTK structured grid (.vts)",
+                "give mesh.cells, such as cells = [32, 32], or mesh.file, a VTK structured grid (.vts or .vtk)",
             )),
         }
     }

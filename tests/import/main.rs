@@ -5,6 +5,7 @@ mod centroids;
 #[path = "../cli_support/mod.rs"]
 mod cli_support;
 mod file;
+mod legacy;
 mod results;
 mod scenes;
 mod wrong;

@@ -1,4 +1,4 @@
-"""Writes structured grids in every way that VTK has, into the folder named as argument, and prints their names.
+"""Writes structured grids in every way that VTK has, as XML and as legacy files, into the folder named as argument, and prints their names.
 
 The grids are those of tests/import/file.rs. Ends with status 3 where pyvista is not installed.
 """
@@ -8,6 +8,7 @@ import sys
 try:
     import numpy
     import pyvista
+    from vtkmodules.vtkIOLegacy import vtkStructuredGridWriter
     from vtkmodules.vtkIOXML import vtkXMLStructuredGridWriter
 except ImportError as missing:
     print(missing, file=sys.stderr)
@@ -60,3 +61,24 @@ for shape, counts in (("flat", (5, 4, 1)), ("solid", (4, 3, 5))):
     made = grid(counts, numpy.float32)
     made.save(f"{folder}/{shape}_default.vts")
     print(f"{shape}_default.vts")
+    # Programs leave all sorts of things beside the grid.
+    made.cell_data["normal"] = numpy.full((made.n_cells, 3), 0.5)
+    made.field_data["TIME"] = numpy.array([1.5])
+    made.field_data["words"] = numpy.array(["POINTS 3", "", "and more " * 20])
+    made.point_data["inside"] = numpy.full(made.n_points, True)
+    made.cell_data["number"] = numpy.arange(made.n_cells)
+    for text in (True, False):
+        name = f"{shape}_pyvista_{text}.vtk".lower()
+        made.save(f"{folder}/{name}", binary=not text)
+        print(name)
+        for version in (42, 51):
+            name = f"{shape}_{version}_{text}.vtk".lower()
+            made.cell_data.active_vectors_name = "normal"
+            writer = vtkStructuredGridWriter()
+            writer.SetFileName(folder + "/" + name)
+            writer.SetInputData(made)
+            writer.SetFileVersion(version)
+            writer.SetFileType(1 if text else 2)
+            writer.SetWriteExtent(version == 42)
+            assert writer.Write() == 1
+            print(name)

@@ -109,8 +109,8 @@ fn what_is_wrong_with_a_series_is_named() {
     };
     let entry = |time: &str, file: &str| format!("<DataSet timestep=\"{time}\" file=\"{file}\"/>");
     let cases = [
-        (String::new(), vec!["names no structured grids (.vts)"]),
-        (entry("0", "a.vtp"), vec!["names no structured grids (.vts)"]),
+        (String::new(), vec!["names no structured grids (.vts or .vtk)"]),
+        (entry("0", "a.vtp"), vec!["names no structured grids (.vts or .vtk)"]),
         (entry("soon", "a.vts"), vec!["entry 0 has the time \"soon\""]),
         (entry("0", ""), vec!["entry 0 names no file"]),
         (
