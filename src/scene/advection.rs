@@ -73,13 +73,12 @@ impl ReconstructionSection {
             ("independent", Materials::Independent),
         ];
         Ok(Reconstruction {
-            normal: context.word("the normal method", normal, &normals, &[])?,
-            position: context.word("the position method", &self.position, &positions, &[])?,
+            normal: context.word("the normal method", normal, &normals)?,
+            position: context.word("the position method", &self.position, &positions)?,
             materials: context.word(
                 "the reconstruction of several materials",
                 &self.materials,
                 &materials,
-                &[],
             )?,
         })
     }
@@ -212,7 +211,7 @@ pub struct AdvectionSetup {
 impl AdvectionSection {
     pub(super) fn resolve(&mut self, context: Context<'_>) -> Result<AdvectionSetup, SceneError> {
         let modes = [("flow", Mode::Flow), ("remesh", Mode::Remesh)];
-        let mode = context.word("the mode", &self.mode, &modes, &[])?;
+        let mode = context.word("the mode", &self.mode, &modes)?;
         if mode == Mode::Remesh {
             // The motion is given from its start to its end, which need have no time.
             self.end_time.get_or_insert(default(1.0));
@@ -225,10 +224,10 @@ impl AdvectionSection {
         let substeps = [("error", Substeps::Error), ("auto", Substeps::Auto), ("off", Substeps::Off)];
         Ok(AdvectionSetup {
             mode,
-            scheme: context.word("the scheme", &self.scheme, &schemes, &[])?,
-            sweep_axes: context.word("sweep_axes", &self.sweep_axes, &axes, &[])?,
-            sweep_order: context.word("sweep_order", &self.sweep_order, &orders, &[])?,
-            substeps: context.word("substeps", &self.substeps, &substeps, &[])?,
+            scheme: context.word("the scheme", &self.scheme, &schemes)?,
+            sweep_axes: context.word("sweep_axes", &self.sweep_axes, &axes)?,
+            sweep_order: context.word("sweep_order", &self.sweep_order, &orders)?,
+            substeps: context.word("substeps", &self.substeps, &substeps)?,
             wisps: self.wisps(context)?,
             stepping: self.stepping(context)?,
         })

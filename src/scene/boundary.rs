@@ -70,7 +70,7 @@ impl BoundarySection {
         let known: Vec<(&str, Option<usize>)> = std::iter::once((VOID, None))
             .chain(materials.iter().enumerate().map(|(k, name)| (name.as_str(), Some(k))))
             .collect();
-        setup.inflow = context.word("the inflow material", inflow, &known, &[])?;
+        setup.inflow = context.word("the inflow material", inflow, &known)?;
         Ok(setup)
     }
 
@@ -111,7 +111,7 @@ fn ends(
             "give two, for the lower and the upper end, such as [\"wall\", \"outflow\"]",
         ));
     };
-    let meaning = |word| context.word("the boundary", word, &known, &[]);
+    let meaning = |word| context.word("the boundary", word, &known);
     let kinds = [meaning(lower)?, meaning(upper)?];
     if kinds.contains(&Kind::Periodic) && kinds[0] != kinds[1] {
         return Err(context.error(

@@ -80,23 +80,21 @@ impl Context<'_> {
         }
     }
 
-    /// The meaning of a word. `later` are words that are reserved but not available yet.
+    /// The meaning of a word.
     pub(super) fn word<T: Copy>(
         self,
         what: &str,
         word: &Spanned<String>,
         known: &[(&str, T)],
-        later: &[&str],
     ) -> Result<T, SceneError> {
         let text = word.get_ref().as_str();
         if let Some(&(_, meaning)) = known.iter().find(|(name, _)| *name == text) {
             return Ok(meaning);
         }
-        let state = if later.contains(&text) { "is not available in this version" } else { "is not known" };
         let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
         Err(self.error(
             word.span(),
-            format!("{what} \"{text}\" {state}"),
+            format!("{what} \"{text}\" is not known"),
             format!("available: {}", names.join(", ")),
         ))
     }

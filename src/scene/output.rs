@@ -77,7 +77,7 @@ impl OutputSection {
         };
         for format in &self.interface {
             let known = [("obj", Format::Obj), ("vtk", Format::Vtk)];
-            match context.word("the interface format", format, &known, &[])? {
+            match context.word("the interface format", format, &known)? {
                 Format::Obj => {
                     built("obj", cfg!(feature = "obj"), format.span())?;
                     setup.obj = true;

@@ -61,7 +61,7 @@ pub(super) fn resolve_all<const D: usize>(
                 "give each quantity of a material a name of its own",
             ));
         }
-        let kind = context.word("the kind of quantity", &section.kind, &KINDS, &[])?;
+        let kind = context.word("the kind of quantity", &section.kind, &KINDS)?;
         let schemes = [("donor", Distribution::Constant), ("muscl", Distribution::Linear)];
         let inflow = section.inflow.as_ref();
         let inflow = inflow.map(|inflow| amounts("the inflow", inflow, kind.components(D), context));
@@ -77,7 +77,7 @@ pub(super) fn resolve_all<const D: usize>(
             name: name.clone(),
             kind,
             initial: profiles(initial, section.initial.span(), kind.components(D), mesh, context)?,
-            distribution: context.word("the scheme of a quantity", &section.scheme, &schemes, &[])?,
+            distribution: context.word("the scheme of a quantity", &section.scheme, &schemes)?,
             density: None,
             inflow: inflow.transpose()?,
         });

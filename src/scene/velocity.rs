@@ -231,7 +231,7 @@ fn files(
 ) -> Result<VelocitySetup, SceneError> {
     let known =
         [("error", Divergence::Error), ("project", Divergence::Project), ("dilate", Divergence::Dilate)];
-    let divergence = context.word("the divergence", divergence, &known, &[])?;
+    let divergence = context.word("the divergence", divergence, &known)?;
     let files = velocity_files(context.source.beside(path.get_ref()))
         .map_err(|error| context.error(path.span(), error.to_string(), error.help()))?;
     Ok(VelocitySetup::Files { files, divergence })

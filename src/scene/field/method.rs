@@ -27,7 +27,7 @@ impl FieldSection {
             ("direct", Method::Points(direct)),
             ("lax_wendroff_galerkin", Method::Points(galerkin)),
         ];
-        let method = context.word("the scheme", &self.scheme, &schemes, &[])?;
+        let method = context.word("the scheme", &self.scheme, &schemes)?;
         self.check_keys(method, context)?;
         match method {
             Method::Faces(Scheme::Tvd(_)) => Ok(Method::Faces(Scheme::Tvd(self.limiter(context)?))),
@@ -90,7 +90,7 @@ impl FieldSection {
             ("courant_min_mod", Limiter::CourantMinMod),
             ("off", Limiter::Off),
         ];
-        let limiter = context.word("the limiter", word, &known, &[])?;
+        let limiter = context.word("the limiter", word, &known)?;
         let is_scaled = matches!(limiter, Limiter::ScaledMinMod { .. });
         let alpha = self.alpha(&self.limiter, is_scaled, ["limiter", "scaled_min_mod"], context)?;
         Ok(alpha.map_or(limiter, |alpha| Limiter::ScaledMinMod { alpha }))
@@ -108,7 +108,7 @@ impl FieldSection {
             ("weighted", weighted(false)),
             ("local_weighted", weighted(true)),
         ];
-        let (smoothing, is_weighted) = context.word("the smoothing", word, &known, &[])?;
+        let (smoothing, is_weighted) = context.word("the smoothing", word, &known)?;
         let alpha = self.alpha(&self.smoothing, is_weighted, ["smoothing", "weighted"], context)?;
         Ok(alpha.map_or(smoothing, |alpha| Smoothing { alpha, ..smoothing }))
     }
@@ -116,7 +116,7 @@ impl FieldSection {
     fn matrix(&mut self, context: Context<'_>) -> Result<VolumeMatrix, SceneError> {
         let word = self.volume_matrix.get_or_insert_with(|| word(MATRIX));
         let known = [("lumped", LUMPED), ("consistent", VolumeMatrix::Consistent)];
-        context.word("the volume matrix", word, &known, &[])
+        context.word("the volume matrix", word, &known)
     }
 
     /// The factor alpha, where it is wanted: by a word of the key `owner`, such as `example`.

@@ -211,17 +211,17 @@ impl FieldSection {
         mesh: &MeshSetup<D>,
         context: Context<'_>,
     ) -> Result<FieldSetup<D>, SceneError> {
-        let kind = context.word("the kind of field", &self.kind, &KINDS, &[])?;
+        let kind = context.word("the kind of field", &self.kind, &KINDS)?;
         let nodal = match &self.nodal {
             None => NodalScheme::default(),
             Some(nodal) => {
                 let known = [("his", NodalScheme::HalfIndexShift), ("sale", NodalScheme::Averaging)];
-                context.word("the nodal scheme", nodal, &known, &[])?
+                context.word("the nodal scheme", nodal, &known)?
             }
         };
         let locations =
             [("cell", Location::Cell), ("node", Location::Node(nodal)), ("points", Location::Points)];
-        let location = context.word("the location", &self.location, &locations, &[])?;
+        let location = context.word("the location", &self.location, &locations)?;
         match (&self.nodal, location) {
             (Some(nodal), Location::Cell | Location::Points) => {
                 return Err(context.error(
