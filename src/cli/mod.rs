@@ -31,6 +31,7 @@ use crate::report::{still, table};
 use crate::run::threads::Pool;
 use crate::run::{self, Checkpoint, Checkpoints, Progress, RunError, RunOptions, Silent};
 use crate::scene::{Draft, Scene, StillScene};
+use interrupt::Interrupt;
 use template::Kind;
 use terminal::Failure;
 
@@ -181,14 +182,22 @@ pub fn execute(command: Command) -> Result<(), Failure> {
                 }
                 (None, scene) => Scene::load(scene.unwrap_or_default(), &work.set)?,
             };
-            let checkpoints =
-                Checkpoints { every: checkpoint.unwrap_or(0) as usize, stop: Some(interrupt::flag()?) };
-            let run = |options: &RunOptions, progress: &mut dyn Progress| match &scene {
-                Scene::Plane(scene) => {
-                    run::run_with_checkpoints::<Quad, 2>(scene, options, &checkpoints, from, progress)
-                }
-                Scene::Space(scene) => {
-                    run::run_with_checkpoints::<Hexahedron, 3>(scene, options, &checkpoints, from, progress)
+            let interrupt = Interrupt::listen()?;
+            let every = checkpoint.unwrap_or(0) as usize;
+            let checkpoints = Checkpoints { every, stop: Some(interrupt.stop.clone()) };
+            let run = |options: &RunOptions, progress: &mut dyn Progress| {
+                let progress = &mut interrupt.watch(progress);
+                match &scene {
+                    Scene::Plane(scene) => {
+                        run::run_with_checkpoints::<Quad, 2>(scene, options, &checkpoints, from, progress)
+                    }
+                    Scene::Space(scene) => run::run_with_checkpoints::<Hexahedron, 3>(
+                        scene,
+                        options,
+                        &checkpoints,
+                        from,
+                        progress,
+                    ),
                 }
             };
             work.go(scene.name(), run, table::summary)

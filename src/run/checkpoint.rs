@@ -55,6 +55,8 @@ impl Checkpoints {
 /// Where a run stands between two steps.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(super) struct State<'a> {
+    /// The [check sum](sum) of what the files of the scene gave.
+    pub(super) inputs: u64,
     pub(super) step: usize,
     pub(super) substeps: usize,
     pub(super) fractions: Cow<'a, [Vec<f64>]>,
@@ -96,12 +98,25 @@ impl<W> Summed<W> {
     }
 }
 
+impl<W> Summed<W> {
+    fn add(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.sum = (self.sum ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+}
+
+/// The check sum of numbers.
+pub(super) fn sum(numbers: impl Iterator<Item = f64>) -> u64 {
+    let mut summed = Summed::new(());
+    numbers.for_each(|number| summed.add(&number.to_le_bytes()));
+    summed.sum
+}
+
 impl<W: Write> Write for Summed<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let count = self.inner.write(bytes)?;
-        for byte in &bytes[..count] {
-            self.sum = (self.sum ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
-        }
+        self.add(&bytes[..count]);
         Ok(count)
     }
 
@@ -162,8 +177,8 @@ impl Checkpoint {
         let Some((content, sum)) = content.split_last_chunk() else {
             return Err(refused("is damaged: it ends too early".to_owned(), anew));
         };
-        let mut summed = Summed::new(io::sink());
-        summed.write_all(content).map_err(|error| refused(error.to_string(), anew))?;
+        let mut summed = Summed::new(());
+        summed.add(content);
         if summed.sum != u64::from_le_bytes(*sum) {
             return Err(refused("is damaged: its check sum is wrong".to_owned(), anew));
         }
@@ -192,16 +207,26 @@ impl Checkpoint {
         RunError::Checkpoint { path, problem, help: CHANGED }
     }
 
-    /// Whether the state belongs to a mesh of so many cells and as many materials.
+    /// Whether the state belongs to a mesh of so many cells, as many materials, and files with this [check sum](sum).
     ///
     /// # Errors
     /// It does not: files that the scene names have changed.
-    pub(super) fn check(&self, cells: usize, materials: usize, steps: usize) -> Result<(), RunError> {
+    pub(super) fn check(
+        &self,
+        cells: usize,
+        materials: usize,
+        steps: usize,
+        inputs: u64,
+    ) -> Result<(), RunError> {
         let State { step, fractions, .. } = &self.state;
         let fits =
             fractions.len() == materials && fractions.iter().all(|f| f.len() == cells) && *step <= steps;
-        if fits {
+        if fits && inputs == self.state.inputs {
             return Ok(());
+        }
+        if fits {
+            let problem = "belongs to other nodes or velocities than the files of the scene have".to_owned();
+            return Err(RunError::Checkpoint { path: self.path.clone(), problem, help: CHANGED });
         }
         let found = fractions.first().map_or(0, Vec::len);
         let problem = format!(

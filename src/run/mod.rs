@@ -70,6 +70,7 @@ use crate::profile::Profile;
 use crate::report::Summary;
 use crate::scene::{Resolved, Substeps};
 use crate::stopwatch::Stopwatch;
+use crate::velocity::Flow;
 use crate::volume_associated::TransportError;
 
 /// With [`Substeps::Auto`] a step is split further while a cell gives too much, but not into more parts than this.
@@ -201,12 +202,12 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
         let (scene, plan) = (self.scene, self.setup.plan);
         let schedule = Schedule::new(&scene.output, &plan);
         self.stopwatch.lap(|seconds| &mut seconds.initialise);
+        progress.begin(plan.steps);
         let mut stand = match from {
             None => self.start(fractions, &schedule)?,
             Some(checkpoint) => self.go_on(checkpoint)?,
         };
         self.stopwatch.lap(|seconds| &mut seconds.output);
-        progress.begin(plan.steps);
         while stand.step < plan.steps {
             let [start, end] = [stand.step, stand.step + 1].map(|step| plan.time(step));
             let ledger = match self.step(&mut stand.fractions, stand.step, [start, end], &mut stand.substeps)
@@ -269,10 +270,20 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
     fn go_on(&mut self, checkpoint: Checkpoint) -> Result<Stand<'a, D>, RunError> {
         let plan = self.setup.plan;
         let (cells, materials) = (self.setup.mover.mesh().grid().len(), self.scene.materials.len());
-        checkpoint.check(cells, materials, plan.steps)?;
+        checkpoint.check(cells, materials, plan.steps, self.inputs())?;
         let refusal = checkpoint.refusal();
-        let State { step, substeps, fractions, fields, quantities, tally, written, history, field_table } =
-            checkpoint.state;
+        let State {
+            inputs: _,
+            step,
+            substeps,
+            fractions,
+            fields,
+            quantities,
+            tally,
+            written,
+            history,
+            field_table,
+        } = checkpoint.state;
         if !(self.fields.go_on(fields) && self.quantities.go_on(quantities)) {
             return Err(refusal);
         }
@@ -299,6 +310,14 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
         })
     }
 
+    /// The check sum of what the files of the scene gave: the nodes of the mesh, and the velocities.
+    fn inputs(&self) -> u64 {
+        let nodes =
+            self.scene.mesh.file.iter().flat_map(|file| file.nodes.iter().flat_map(|x| x.iter().copied()));
+        let velocities = self.setup.mover.flow().into_iter().flat_map(Flow::numbers);
+        checkpoint::sum(nodes.chain(velocities))
+    }
+
     /// Writes a checkpoint where one is due, and ends a run that is to stop.
     fn checkpoint(&self, stand: Stand<'a, D>) -> Result<Stand<'a, D>, RunError> {
         let is_stopped = self.checkpoints.is_stopped();
@@ -307,6 +326,7 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
         }
         let length = |table: Option<&Table>| table.map(Table::length).transpose();
         let state = State {
+            inputs: self.inputs(),
             step: stand.step,
             substeps: stand.substeps,
             fractions: Cow::Borrowed(&stand.fractions),

@@ -13,7 +13,7 @@ use crate::interface::Parts;
 use crate::mesh::{Grid, Mesh, MeshError, MeshMotion, MeshPath, MotionError, MotionRates, axis_name};
 use crate::metrics::material_volume;
 use crate::quantity::MaterialQuantity;
-use crate::scene::{Part, Resolved, SceneError, Stepping, Still};
+use crate::scene::{Part, Resolved, SceneError, Still};
 use crate::stopwatch::Stopwatch;
 use crate::velocity::{Flow, RigidMotion};
 
@@ -204,11 +204,7 @@ fn moving<'a, C: Cell<D>, const D: usize>(
     };
     let path = MeshPath::new(mesh.clone(), motion.clone()).map_err(wrong)?;
     let MotionRates { courant, mismatch } = path.rates().map_err(wrong)?;
-    let end = match scene.advection.stepping {
-        Stepping::StepsToTime { end_time, .. } | Stepping::CourantToTime { end_time, .. } => end_time,
-        Stepping::CourantForSteps { .. } => 1.0,
-    };
-    let plan = Plan::new(scene, courant / end)?;
+    let plan = Plan::new(scene, courant / scene.advection.stepping.end_time().unwrap_or(1.0))?;
     let remesh = Remesh::new(settings(scene, &plan)).map_err(|error| setup_error(scene, &error))?;
     let first = path.mesh(plan.dt() / plan.end).map_err(wrong)?;
     let boundary = remesh.boundary(mesh, &first).map_err(|error| {

@@ -180,6 +180,16 @@ pub enum Stepping {
     },
 }
 
+impl Stepping {
+    /// The end, where it is given.
+    pub fn end_time(&self) -> Option<f64> {
+        match *self {
+            Self::CourantToTime { end_time, .. } | Self::StepsToTime { end_time, .. } => Some(end_time),
+            Self::CourantForSteps { .. } => None,
+        }
+    }
+}
+
 /// What moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {

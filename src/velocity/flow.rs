@@ -182,6 +182,15 @@ impl<const D: usize> Flow<D> {
         FlowStep { source: &self.source, duration: 1.0, acting: Vec::new() }
     }
 
+    /// All numbers that were given for it at nodes; none of a field.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
+        let samples = match &self.source {
+            Source::Field { .. } => None,
+            Source::Sampled(samples) => Some(samples.numbers()),
+        };
+        samples.into_iter().flatten()
+    }
+
     /// Whether it has a formula.
     pub(crate) fn is_field(&self) -> bool {
         matches!(self.source, Source::Field { .. })

@@ -185,6 +185,13 @@ impl<const D: usize> Sampled<D> {
         self.frames.len() == 1
     }
 
+    /// All times and velocities, one number after the other.
+    pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
+        self.frames.iter().flat_map(|frame| {
+            std::iter::once(frame.time).chain(frame.velocities.iter().flat_map(|u| u.iter().copied()))
+        })
+    }
+
     /// The number of times.
     pub(super) fn len(&self) -> usize {
         self.frames.len()
