@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use vofkit_geometry::Vector;
 
 use crate::shape::{Body, BodyError};
+use crate::whole_file;
 
 /// Why a file gives no body.
 #[derive(Debug, thiserror::Error)]
@@ -83,7 +84,8 @@ pub fn read<const D: usize>(path: &Path) -> Result<Body<D>, BodyFileError> {
         (3, "obj") => triangles::obj,
         _ => return Err(BodyFileError::Kind { path: path.to_owned(), dimension: D }),
     };
-    let bytes = std::fs::read(path).map_err(|error| BodyFileError::Read { path: path.to_owned(), error })?;
+    let bytes =
+        whole_file::bytes(path).map_err(|error| BodyFileError::Read { path: path.to_owned(), error })?;
     let coordinates =
         reader(&bytes).map_err(|problem| BodyFileError::Content { path: path.to_owned(), problem })?;
     let piece = |all: &[f64]| std::array::from_fn(|i| Vector::from_fn(|k, _| all[D * i + k]));

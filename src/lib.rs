@@ -70,6 +70,7 @@ pub mod study;
 pub mod tolerance;
 pub mod velocity;
 pub mod volume_associated;
+mod whole_file;
 
 /// What most programs use.
 pub mod prelude {

@@ -1,7 +1,5 @@
 //! Centroids of materials in cells: cell data `centroid.<material>`, read only when they are asked for.
 
-use std::fs;
-
 use vofkit_geometry::Vector;
 use vofkit_geometry::clip::bounds;
 
@@ -10,6 +8,7 @@ use super::{ImportError, StructuredGrid, reverse_layers, take_apart};
 use crate::interface::is_mixed;
 use crate::mesh::Grid;
 use crate::tolerance::CENTROID_OUTSIDE;
+use crate::whole_file;
 
 /// What the names of centroids start with.
 const CENTROID: &str = "centroid.";
@@ -24,8 +23,8 @@ impl StructuredGrid {
     pub fn centroids<const D: usize>(&self, material: &str) -> Result<Vec<Vector<D>>, ImportError> {
         let fractions = self.fractions(material)?;
         let name = format!("{CENTROID}{material}");
-        let bytes =
-            fs::read(&self.path).map_err(|error| ImportError::Read { path: self.path.clone(), error })?;
+        let bytes = whole_file::bytes(&self.path)
+            .map_err(|error| ImportError::Read { path: self.path.clone(), error })?;
         let wanted = |section: &str, name: &str| section == "CellData" && name.starts_with(CENTROID);
         let document = take_apart(&self.path, &bytes, &wanted)?;
         let Some(array) = document.array("CellData", &name)? else {

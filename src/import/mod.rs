@@ -21,13 +21,13 @@ mod poly_data;
 mod series;
 mod velocity;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use vofkit_geometry::{Cell, Hexahedron, Quad, Vector};
 
 use crate::mesh::{Grid, axis_name};
 use crate::tolerance::{FRACTION_SUM, PLANAR};
+use crate::whole_file;
 use document::{Document, Wanted};
 pub use error::ImportError;
 pub use poly_data::read_facets;
@@ -63,7 +63,8 @@ impl StructuredGrid {
     /// numbers, lie outside of `[0, 1]` or add up to more than 1.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ImportError> {
         let path = path.as_ref();
-        let bytes = fs::read(path).map_err(|error| ImportError::Read { path: path.to_owned(), error })?;
+        let bytes =
+            whole_file::bytes(path).map_err(|error| ImportError::Read { path: path.to_owned(), error })?;
         let wanted = |section: &str, name: &str| {
             section == "Points" || section == "CellData" && name.starts_with(ALPHA)
         };

@@ -1,6 +1,5 @@
 //! Interfaces from the poly data (`.vtp`) that a run wrote.
 
-use std::fs;
 use std::path::Path;
 
 use vofkit_geometry::Vector;
@@ -10,6 +9,7 @@ use super::error::ImportError;
 use crate::facet::Facet;
 use crate::interface::CellStatus;
 use crate::space::planar;
+use crate::whole_file;
 
 /// Cell data of a facet.
 const CELL: &str = "cell";
@@ -28,7 +28,8 @@ const RERUN: &str = "write the interface anew, with interface = [\"vtk\"] in the
 /// points.
 pub fn read_facets<const D: usize>(path: impl AsRef<Path>) -> Result<Vec<Facet<D>>, ImportError> {
     let path = path.as_ref();
-    let bytes = fs::read(path).map_err(|error| ImportError::Read { path: path.to_owned(), error })?;
+    let bytes =
+        whole_file::bytes(path).map_err(|error| ImportError::Read { path: path.to_owned(), error })?;
     let polygons = if D == 2 { "Lines" } else { "Polys" };
     let arrays = [CELL, MATERIAL, NORMAL, CONSTANT, AREA, STATUS];
     let wanted = |section: &str, name: &str| {

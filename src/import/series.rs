@@ -1,5 +1,6 @@
 //! Which files belong to which time (`.pvd`).
 
+use crate::whole_file;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -75,8 +76,7 @@ pub fn velocity_files(path: impl AsRef<Path>) -> Result<Vec<TimedFile>, ImportEr
 /// The entries of a time series in their own order.
 fn entries(path: &Path) -> Result<Vec<TimedFile>, ImportError> {
     let wrong = |problem: String| ImportError::Grid { path: path.to_owned(), problem, help: REWRITE };
-    let text =
-        fs::read_to_string(path).map_err(|error| ImportError::Read { path: path.to_owned(), error })?;
+    let text = whole_file::text(path).map_err(|error| ImportError::Read { path: path.to_owned(), error })?;
     let xml = roxmltree::Document::parse(&text)
         .map_err(|error| wrong(format!("it is no VTK XML file: {error}")))?;
     let root = xml.root_element();

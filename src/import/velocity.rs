@@ -1,7 +1,6 @@
 //! The velocity `U` of a structured grid.
 
 use std::cell::RefCell;
-use std::fs;
 use std::path::Path;
 
 use vofkit_geometry::{Cell, Vector};
@@ -12,6 +11,7 @@ use super::{StructuredGrid, reverse_layers, take_apart};
 use crate::mesh::Mesh;
 use crate::parallel;
 use crate::tolerance::SAME_NODE;
+use crate::whole_file;
 
 /// The name of the array.
 const VELOCITY: &str = "U";
@@ -32,7 +32,8 @@ impl NodalVelocity {
     /// numbers that are not finite.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ImportError> {
         let path = path.as_ref();
-        let bytes = fs::read(path).map_err(|error| ImportError::Read { path: path.to_owned(), error })?;
+        let bytes =
+            whole_file::bytes(path).map_err(|error| ImportError::Read { path: path.to_owned(), error })?;
         let others = RefCell::new(Vec::new());
         let wanted = |section: &str, name: &str| {
             let kind = match section {

@@ -1,7 +1,5 @@
 //! `mesh.motion`: how the mesh moves while the material rests.
 
-use std::fs;
-
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 use vofkit_geometry::Vector;
@@ -9,6 +7,7 @@ use vofkit_geometry::Vector;
 use super::context::{Context, Numbers, axis};
 use super::error::SceneError;
 use crate::mesh::{Distortion, MeshMotion};
+use crate::whole_file;
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -106,7 +105,7 @@ fn nodes<const D: usize>(file: &Spanned<String>, context: Context<'_>) -> Result
         )
     };
     let path = context.source.beside(name);
-    let text = fs::read_to_string(path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
+    let text = whole_file::text(&path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
     let mut lines = text.lines().enumerate();
     let names: Vec<&str> =
         lines.next().map(|(_, line)| line.split(',').map(str::trim).collect()).unwrap_or_default();

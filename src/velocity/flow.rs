@@ -183,7 +183,7 @@ impl<const D: usize> Flow<D> {
     }
 
     /// All numbers that were given for it at nodes; none of a field.
-    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
+    pub fn numbers(&self) -> impl Iterator<Item = f64> {
         let samples = match &self.source {
             Source::Field { .. } => None,
             Source::Sampled(samples) => Some(samples.numbers()),

@@ -186,7 +186,7 @@ impl<const D: usize> Sampled<D> {
     }
 
     /// All times and velocities, one number after the other.
-    pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
+    pub fn numbers(&self) -> impl Iterator<Item = f64> {
         self.frames.iter().flat_map(|frame| {
             std::iter::once(frame.time).chain(frame.velocities.iter().flat_map(|u| u.iter().copied()))
         })

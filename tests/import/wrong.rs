@@ -61,6 +61,16 @@ fn wrong_values_are_named_with_their_place() {
     assert_answered(&file.bytes(Encoding::default()), &["`alpha.one`", "88 bytes", "96"]);
 }
 
+/// Devices may never end.
+#[cfg(unix)]
+#[test]
+fn devices_and_folders_are_refused() {
+    for path in ["/dev/zero", "/dev"] {
+        let error = StructuredGrid::read(path).unwrap_err().to_string();
+        assert!(error.contains(path) && error.contains("not a file"), "{error}");
+    }
+}
+
 #[test]
 fn files_that_do_not_fit_are_refused() {
     let cases: &[(&str, &str, &[&str])] = &[
