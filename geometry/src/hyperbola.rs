@@ -91,15 +91,15 @@ pub fn moments(numerator: f64, denominator: f64, difference: f64) -> Moments {
     if Argument::is_far(z) {
         argument = Argument::far(z, [numerator, denominator]);
     }
-    let Argument { minus, plus, even, .. } = argument;
+    let minus = argument.minus;
     let Integrals { m00, m10, n0, .. } = argument.integrals();
     let w = (difference / denominator).min(RATIO_RANGE[1]);
     let m11 = if w > LARGE_W {
         let (v, ln) = (1.0 / w, logarithm(numerator, denominator));
         ((ln * (0.5 + v * (2.0 + 1.5 * v)) - 1.25 - 1.5 * v) * v) * v
     } else {
-        let b = 1.0 / 3.0 - minus * plus * even;
-        minus * (1.0 / 48.0) * (2.0 - 3.0 * z * b * (3.0 - z))
+        let [m11, ..] = argument.second_moments();
+        minus * m11
     };
     Moments { m00: minus * m00, m10: minus * m10, m11, n0: minus * n0 }
 }

@@ -25,20 +25,11 @@ pub(super) fn flow<C: Cell<D>, const D: usize>(
                 .map_err(|range| super::prepare::setup_error(scene, &SetupError::Fluxes(range)))?
         }
         VelocitySetup::Files { files, divergence } => {
-            let files = acting(files, scene.advection.stepping.end_time());
             Flow::sampled(sampled(scene, mesh, files, *divergence)?, Reversal::None)
         }
     };
     check_periodic(scene, mesh, &flow)?;
     Ok(flow)
-}
-
-/// The files whose velocities act in a run that starts at 0, and the one after: further ones are not read.
-fn acting(files: &[TimedFile], end: Option<f64>) -> &[TimedFile] {
-    let last = end.map_or(files.len(), |end| files.partition_point(|file| file.time < end) + 1);
-    let files = &files[..last.min(files.len())];
-    let first = files.partition_point(|file| file.time <= 0.0).saturating_sub(1);
-    &files[first..]
 }
 
 /// The velocity of files.

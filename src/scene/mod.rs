@@ -329,6 +329,7 @@ impl<const D: usize> Resolved<D> {
             Some(velocity) => velocity.resolve::<D>(context)?,
             None => (VelocitySetup::none(), ReversalSetup::None),
         };
+        let field = field.acting(advection.stepping.end_time());
         Ok(Self { still, fields, field, reversal, advection })
     }
 

@@ -108,6 +108,17 @@ impl VelocitySetup {
         Self::Formula(Field::Uniform { velocity: Vector::<3>::zeros() })
     }
 
+    /// Without the files for before the start at 0 and for after the end, but the last before and the first after: the others have no part in
+    /// a run.
+    pub(super) fn acting(self, end: Option<f64>) -> Self {
+        let Self::Files { mut files, divergence } = self else { return self };
+        let last = end.map_or(files.len(), |end| files.partition_point(|file| file.time < end) + 1);
+        files.truncate(last);
+        let first = files.partition_point(|file| file.time <= 0.0).saturating_sub(1);
+        files.drain(..first);
+        Self::Files { files, divergence }
+    }
+
     /// The number of files.
     pub(crate) fn files(&self) -> usize {
         if let Self::Files { files, .. } = self { files.len() } else { 0 }

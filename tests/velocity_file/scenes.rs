@@ -91,12 +91,14 @@ fn a_run_can_be_driven_by_what_another_one_wrote() {
 }
 
 fn series(place: &Place, entries: &[(f64, &str)]) {
-    let entry = |(time, file): &(f64, &str)| format!("<DataSet timestep=\"{time}\" file=\"{file}\"/>");
-    let entries: String = entries.iter().map(entry).collect();
-    place.file(
-        "flow.pvd",
-        format!("<VTKFile type=\"Collection\"><Collection>{entries}</Collection></VTKFile>"),
-    );
+    let mut series = Collection::new(place.path("flow.pvd"));
+    for (time, file) in entries {
+        series.add(*time, &[("flow", &place.path(file))]).unwrap();
+    }
+}
+
+fn uniform(mesh: &Mesh2, speed: f64) -> Vec<Vector<2>> {
+    sampled(mesh, &Field::Uniform { velocity: [speed, 0.0, 0.0].into() })
 }
 
 /// The last file is none, and would be refused.
@@ -104,9 +106,8 @@ fn series(place: &Place, entries: &[(f64, &str)]) {
 fn files_for_after_the_end_are_not_read() {
     let place = Place::new();
     let mesh: Mesh2 = unit_mesh(16, WAVE);
-    let uniform = |speed: f64| sampled(&mesh, &Field::Uniform { velocity: [speed, 0.0, 0.0].into() });
-    write(&place.path("a.vts"), &mesh, &uniform(0.5));
-    write(&place.path("b.vts"), &mesh, &uniform(1.0));
+    write(&place.path("a.vts"), &mesh, &uniform(&mesh, 0.5));
+    write(&place.path("b.vts"), &mesh, &uniform(&mesh, 1.0));
     place.file("later.vts", "nothing");
     let text = scene("cells = [16, 16]", "field = { file = { path = \"flow.pvd\" } }", "");
     series(&place, &[(-1.0, "later.vts"), (0.0, "a.vts"), (0.3, "b.vts"), (100.0, "later.vts")]);
@@ -119,8 +120,7 @@ fn files_for_after_the_end_are_not_read() {
 fn a_run_does_not_go_on_with_another_velocity() {
     let place = Place::new();
     let mesh: Mesh2 = unit_mesh(16, WAVE);
-    let uniform = |speed: f64| sampled(&mesh, &Field::Uniform { velocity: [speed, 0.0, 0.0].into() });
-    write(&place.path("flow.vts"), &mesh, &uniform(0.5));
+    write(&place.path("flow.vts"), &mesh, &uniform(&mesh, 0.5));
     let text = scene("cells = [16, 16]", "field = { file = { path = \"flow.vts\" } }", "");
     place.file("scene.toml", text);
     let Scene::Plane(loaded) = Scene::load(place.path("scene.toml"), &[]).expect("a scene") else {
@@ -130,10 +130,10 @@ fn a_run_does_not_go_on_with_another_velocity() {
     let stopped = Checkpoints { every: 0, stop: Some(Arc::new(AtomicBool::new(true))) };
     let done = run_with_checkpoints::<Quad, 2>(&loaded, &options, &stopped, None, &mut Silent);
     assert!(matches!(done, Err(RunError::Stopped { step: 1, .. })), "{done:?}");
-    write(&place.path("flow.vts"), &mesh, &uniform(0.25));
+    write(&place.path("flow.vts"), &mesh, &uniform(&mesh, 0.25));
     let refused = place.vofkit(&["run", "--resume", "out"]);
     assert!(refused.code == Some(1) && refused.err.contains("other nodes or velocities"), "{}", refused.err);
-    write(&place.path("flow.vts"), &mesh, &uniform(0.5));
+    write(&place.path("flow.vts"), &mesh, &uniform(&mesh, 0.5));
     let done = place.vofkit(&["run", "--resume", "out", "--quiet"]);
     assert_eq!((done.code, done.err.as_str()), (Some(0), ""));
 }
