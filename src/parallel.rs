@@ -3,6 +3,8 @@
 //!
 //! Without the feature `parallel` the same blocks are worked through by one thread.
 
+use std::ops::Range;
+
 #[cfg(feature = "parallel")]
 use rayon::prelude::*;
 
@@ -24,6 +26,15 @@ pub fn map<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync + Send) -> Ve
     return (0..count).into_par_iter().with_min_len(BLOCK).map(work).collect();
     #[cfg(not(feature = "parallel"))]
     (0..count).map(work).collect()
+}
+
+/// `[work(0..256), work(256..512), ...]` in one row, for `count` items, of which each has one result.
+pub fn map_blocks<T: Send>(count: usize, work: impl Fn(Range<usize>) -> Vec<T> + Sync + Send) -> Vec<T> {
+    let block = |b: usize| work(b * BLOCK..((b + 1) * BLOCK).min(count));
+    #[cfg(feature = "parallel")]
+    return (0..blocks(count)).into_par_iter().flat_map_iter(block).collect();
+    #[cfg(not(feature = "parallel"))]
+    (0..blocks(count)).flat_map(block).collect()
 }
 
 /// The sum of `term(0) + term(1) + ...`, `count` of them: the same bits for any number of threads.

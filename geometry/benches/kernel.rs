@@ -2,9 +2,9 @@
 
 use std::hint::black_box;
 
-use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use vofkit_geometry::submesh::{self, Triangulation};
-use vofkit_geometry::{Cell, HalfSpace, Hexahedron, PositionMethod, Quad, TruncationMethod, Vector};
+use vofkit_geometry::{Cell, HalfSpace, Hexahedron, PositionMethod, Quad, TruncationMethod, Vector, Wanted};
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -61,6 +61,26 @@ fn cuts<const D: usize, C: Cell<D>>(
     }
 }
 
+/// All samples in one call; criterion reports the throughput, whose inverse is the time for a cell.
+fn batch(criterion: &mut Criterion, samples: &[Sample<3, Hexahedron>]) {
+    let wanted: Vec<_> = samples
+        .iter()
+        .map(|&Sample { cell, normal, fraction, .. }| Wanted { cell, normal, fraction })
+        .collect();
+    let mut group = criterion.benchmark_group("ruled/batch");
+    group.throughput(Throughput::Elements(SAMPLES as u64));
+    group.bench_function("plane_constant", |bench| {
+        bench.iter(|| {
+            let mut sum = 0.0;
+            Hexahedron::plane_constants(black_box(&wanted), PositionMethod::Auto, |_, found| {
+                sum += found.map_or(0.0, |found| found.constant);
+            });
+            sum
+        });
+    });
+    group.finish();
+}
+
 /// A matrix near the identity, for parallelograms and parallelepipeds.
 fn near_identity<const D: usize>(random: &mut Random) -> nalgebra::SMatrix<f64, D, D> {
     nalgebra::SMatrix::identity() + nalgebra::SMatrix::from_fn(|_, _| random.within(-0.15, 0.15))
@@ -90,6 +110,7 @@ fn kernel(criterion: &mut Criterion) {
     };
     cuts(criterion, "parallelepiped", parallelepiped, &[Auto]);
     cuts(criterion, "ruled", ruled, &[Newton, Brent]);
+    batch(criterion, &samples(ruled));
     // A rotated sliver, which compensated arithmetic is for.
     let rotation = nalgebra::Rotation3::from_euler_angles(0.3, 0.7, 1.1);
     let sliver = |random: &mut Random| {

@@ -13,6 +13,17 @@ pub struct Truncation {
     pub section_area: f64,
 }
 
+/// A plane constant that is wanted: see [`Cell::plane_constants`].
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted<C, const D: usize> {
+    /// The cell.
+    pub cell: C,
+    /// The normal, of any length.
+    pub normal: Vector<D>,
+    /// The part of the cell's volume inside the half-space, in `[0, 1]`.
+    pub fraction: f64,
+}
+
 /// A cell with `2^D` nodes and ruled faces, prepared for any number of cuts: [`crate::Quad`] for `D = 2`,
 /// [`crate::Hexahedron`] for `D = 3`.
 ///
@@ -124,6 +135,19 @@ pub trait Cell<const D: usize>: Copy + Send + Sync + std::fmt::Debug + 'static {
         fraction: f64,
         method: PositionMethod,
     ) -> Result<PlaneConstant, PositionError>;
+
+    /// [`Cell::plane_constant`] for many cells: `give` is called once for each, in any order, with its place among the wanted.
+    ///
+    /// The results are the same bits as those for the cells one by one, whatever the number and the order of the cells.
+    fn plane_constants(
+        wanted: &[Wanted<Self, D>],
+        method: PositionMethod,
+        mut give: impl FnMut(usize, Result<PlaneConstant, PositionError>),
+    ) {
+        for (i, Wanted { cell, normal, fraction }) in wanted.iter().enumerate() {
+            give(i, cell.plane_constant(normal, *fraction, method));
+        }
+    }
 
     /// The part of the cell next to `face` that holds `fraction` of its volume, cut off along a surface of
     /// constant local coordinate. Its nodes and faces are numbered as those of the cell. `fraction` is limited to `[0, 1]`.

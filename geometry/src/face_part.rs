@@ -41,6 +41,7 @@
 
 use crate::hyperbola::{Argument, Integrals};
 use crate::root::Value;
+use crate::simd::either;
 
 /// A part of a face.
 #[derive(Clone, Copy)]
@@ -104,12 +105,6 @@ pub(crate) struct Corner {
     pub(crate) rises: [f64; 3],
     /// `t`.
     pub(crate) twist: f64,
-}
-
-/// One of two numbers.
-#[inline(always)]
-pub(crate) fn either(condition: bool, yes: f64, no: f64) -> f64 {
-    if condition { yes } else { no }
 }
 
 impl Part {

@@ -29,6 +29,7 @@ pub(crate) struct Frame<const D: usize> {
 }
 
 /// A normal in the frame of a cell, with what its plane constants need.
+#[derive(Clone, Copy)]
 pub(crate) struct Direction<const D: usize> {
     /// `J^T n / size`, with 1 or -1 as largest component.
     pub(crate) m: Vector<D>,
@@ -129,6 +130,15 @@ fn largest<const D: usize>(m: &Vector<D>) -> f64 {
 }
 
 impl<const D: usize> Direction<D> {
+    /// No direction.
+    pub(crate) const NONE: Self = Self {
+        m: Vector::from_array_storage(nalgebra::ArrayStorage([[0.0; D]])),
+        size: 0.0,
+        per_size: 0.0,
+        base: [0.0; 2],
+        first: 0.0,
+    };
+
     /// `m.y` on the plane `n.x = constant`.
     #[inline(always)]
     pub(crate) fn level(&self, constant: f64) -> f64 {

@@ -7,15 +7,16 @@
 //! **Truncated volume.** The divergence theorem (Kothe et al. 1999; Eq. 91, 94 of the paper) makes it a sum over the parts of
 //! the faces where the bilinear height over the plane is not positive. Such a part is a corner under a hyperbola, a strip under
 //! one, or the complement of corners; the private `face_part` has the formulas, `profile` finds the parts and does the sum for one
-//! normal, and `along` turns it into that of the cell.
+//! normal, `along` turns it into that of the cell, and `batch` has many cells side by side.
 
 mod along;
+mod batch;
 mod profile;
 
 use std::ops::{Add, Mul, Sub};
 
 use crate::affine::Affine;
-use crate::cell::{Cell, Truncation};
+use crate::cell::{Cell, Truncation, Wanted};
 use crate::clip::HexahedronTile;
 use crate::compensated::Pair;
 use crate::frame::{Direction, Frame, is_ill_conditioned};
@@ -347,6 +348,14 @@ impl Cell<3> for Hexahedron {
             }
             self.position_ruled(&(normal * sign), sign, fraction, method)
         })
+    }
+
+    fn plane_constants(
+        wanted: &[Wanted<Self, 3>],
+        method: PositionMethod,
+        give: impl FnMut(usize, Result<PlaneConstant, PositionError>),
+    ) {
+        batch::plane_constants(wanted, method, give);
     }
 
     fn slab(&self, face: usize, fraction: f64) -> Self {

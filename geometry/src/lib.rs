@@ -62,7 +62,7 @@ mod simd;
 pub mod submesh;
 pub mod tolerance;
 
-pub use cell::{Cell, Truncation};
+pub use cell::{Cell, Truncation, Wanted};
 pub use defects::Defect;
 pub use half_space::HalfSpace;
 pub use hexahedron::Hexahedron;

@@ -103,7 +103,14 @@ pub(crate) fn from_smaller_part(
     fraction: f64,
     search: impl Fn(f64, f64) -> Result<PlaneConstant, PositionError>,
 ) -> Result<PlaneConstant, PositionError> {
-    if fraction <= 0.5 { search(1.0, fraction) } else { search(-1.0, 1.0 - fraction) }
+    let (sign, fraction) = smaller_part(fraction);
+    search(sign, fraction)
+}
+
+/// The sign of the normal to use, and the fraction along it.
+#[inline(always)]
+pub(crate) fn smaller_part(fraction: f64) -> (f64, f64) {
+    if fraction <= 0.5 { (1.0, fraction) } else { (-1.0, 1.0 - fraction) }
 }
 
 /// A depth over the lowest node, with the other numbers of a [`PlaneConstant`].
@@ -115,6 +122,22 @@ pub(crate) struct Depth {
 }
 
 impl Depth {
+    /// Where a search ended.
+    ///
+    /// # Errors
+    /// A residual that is larger than rounding.
+    #[inline(always)]
+    pub(crate) fn of_root(root: Root, total: f64) -> Result<Self, PositionError> {
+        let Root { position: depth, residual, evaluations } = root;
+        let accepted = residual.abs() <= (POSITION_FAILURE * total).max(POSITION_ROUNDING);
+        let residual = residual / total;
+        if accepted {
+            Ok(Self { depth, residual, evaluations, closed_form: false })
+        } else {
+            Err(PositionError::NoConvergence { residual, evaluations })
+        }
+    }
+
     /// The plane constant of `n`, where `direction` is that of `sign n` and the lowest node has `m.y = low`.
     #[inline(always)]
     pub(crate) fn plane<const D: usize>(
@@ -154,8 +177,8 @@ pub(crate) fn find<M: Monotone>(
         return Ok(Depth { depth, residual, evaluations: evaluations + 1, closed_form: true });
     }
     let span = cell.span();
-    let tolerance = (POSITION_RESIDUAL * target).max(POSITION_LEAST);
-    let Root { position, residual, evaluations } = match method {
+    let tolerance = residual_allowed(target);
+    let root = match method {
         PositionMethod::Brent => root::brent(
             |depth| cell.volume(depth).value - target,
             [0.0, span],
@@ -164,22 +187,22 @@ pub(crate) fn find<M: Monotone>(
             POSITION_EVALUATIONS,
         ),
         _ => {
-            let mut search = Search::new([0.0, span], cell.start(fraction), tolerance, POSITION_EVALUATIONS);
+            let mut search = Search::new([0.0, span], cell.start(fraction), tolerance);
             loop {
                 let volume = cell.volume(search.position);
-                if search.advance(Value { value: volume.value - target, ..volume }) {
+                if search.advance(volume.less(target), POSITION_EVALUATIONS) {
                     break search.best;
                 }
             }
         }
     };
-    let accepted = residual.abs() <= (POSITION_FAILURE * total).max(POSITION_ROUNDING);
-    let residual = residual / total;
-    if accepted {
-        Ok(Depth { depth: position, residual, evaluations, closed_form: false })
-    } else {
-        Err(PositionError::NoConvergence { residual, evaluations })
-    }
+    Depth::of_root(root, total)
+}
+
+/// The residual with which a search may end.
+#[inline(always)]
+pub(crate) fn residual_allowed(target: f64) -> f64 {
+    (POSITION_RESIDUAL * target).max(POSITION_LEAST)
 }
 
 /// The depth of a slab that holds `fraction` of the volume, for an integrated Jacobian determinant that is the

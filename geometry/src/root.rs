@@ -2,6 +2,8 @@
 
 use std::ops::AddAssign;
 
+use crate::simd::either;
+
 /// What a search for a root ended with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Root {
@@ -22,6 +24,14 @@ pub struct Value {
     pub derivative: f64,
     /// The second derivative, or zero where the function does not give it, which costs a search an evaluation.
     pub second: f64,
+}
+
+impl Value {
+    /// The function less a constant.
+    #[inline(always)]
+    pub(crate) fn less(self, constant: f64) -> Self {
+        Self { value: self.value - constant, ..self }
+    }
 }
 
 impl AddAssign for Value {
@@ -46,51 +56,62 @@ pub fn newton(
     tolerance: f64,
     limit: usize,
 ) -> Root {
-    let mut search = Search::new(bracket, start, tolerance, limit);
-    while !search.advance(function(search.position)) {}
+    let mut search = Search::new(bracket, start, tolerance);
+    while !search.advance(function(search.position), limit) {}
     search.best
 }
 
-/// The state of [`newton`] between two evaluations.
+/// The state of [`newton`] between two evaluations: plain numbers, so that searches may stand side by side in lanes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Search {
     /// Where the function is wanted next.
     pub(crate) position: f64,
     /// The best that was found.
     pub(crate) best: Root,
-    bracket: [f64; 2],
-    before: Option<(f64, Value)>,
-    tolerance: f64,
-    limit: usize,
+    pub(crate) bracket: [f64; 2],
+    /// The evaluation before.
+    pub(crate) before: (f64, Value),
+    pub(crate) tolerance: f64,
 }
 
 impl Search {
     #[inline(always)]
-    pub(crate) fn new(bracket: [f64; 2], start: f64, tolerance: f64, limit: usize) -> Self {
+    pub(crate) fn new(bracket: [f64; 2], start: f64, tolerance: f64) -> Self {
         let position = start.clamp(bracket[0], bracket[1]);
         let best = Root { position, residual: f64::INFINITY, evaluations: 0 };
-        Self { position, best, bracket, before: None, tolerance, limit }
+        Self { position, best, bracket, before: (position, Value::default()), tolerance }
     }
 
-    /// Takes the function at the position, and says whether the search is at its end.
+    /// Takes the function at the position, and says whether the search is at its end, at the latest after `limit` evaluations.
     #[inline(always)]
-    pub(crate) fn advance(&mut self, here: Value) -> bool {
-        let x = self.position;
+    pub(crate) fn advance(&mut self, here: Value, limit: usize) -> bool {
+        let is_first = self.best.evaluations == 0;
+        self.keep(here.value) || !self.step(here, is_first) || self.best.evaluations >= limit
+    }
+
+    /// Keeps a value at the position if it is the best, and says whether it is small enough.
+    #[inline(always)]
+    pub(crate) fn keep(&mut self, value: f64) -> bool {
+        let is_better = value.abs() < self.best.residual.abs();
+        self.best.position = either(is_better, self.position, self.best.position);
+        self.best.residual = either(is_better, value, self.best.residual);
         self.best.evaluations += 1;
-        if here.value.abs() < self.best.residual.abs() {
-            self.best.position = x;
-            self.best.residual = here.value;
-        }
-        if here.value.abs() <= self.tolerance {
-            return true;
-        }
-        self.bracket[usize::from(here.value > 0.0)] = x;
-        let [low, high] = self.bracket;
-        let step = step(here, self.before.map(|(x0, there)| (there, x0 - x)));
-        let next = if x + step > low && x + step < high { x + step } else { 0.5 * (low + high) };
-        self.before = Some((x, here));
-        self.position = next;
-        (next - x).abs() <= f64::EPSILON * x.abs() || self.best.evaluations >= self.limit
+        value.abs() <= self.tolerance
+    }
+
+    /// Goes on from the function at the position, and says whether that moved it.
+    #[inline(always)]
+    pub(crate) fn step(&mut self, here: Value, is_first: bool) -> bool {
+        let x = self.position;
+        let is_past = here.value > 0.0;
+        let [low, high] = [either(is_past, self.bracket[0], x), either(is_past, x, self.bracket[1])];
+        let (x0, there) = self.before;
+        let next = x + step(here, (!is_first).then_some((there, x0 - x)));
+        let middle = 0.5 * (low + high);
+        self.position = either(next > low, either(next < high, next, middle), middle);
+        self.bracket = [low, high];
+        self.before = (x, here);
+        (self.position - x).abs() > f64::EPSILON * x.abs()
     }
 }
 
@@ -106,7 +127,8 @@ fn step(here: Value, before: Option<(Value, f64)>) -> f64 {
         Some((there, apart)) => newton * (1.0 - bend) + inverse_quintic(here, there, apart, inverse),
     };
     // A correction of the size of the step means that there is no such function near here.
-    [curved, halley].into_iter().find(|step| (step - newton).abs() < 0.5 * newton.abs()).unwrap_or(newton)
+    let is_small = |step: f64| (step - newton).abs() < 0.5 * newton.abs();
+    either(is_small(curved), curved, either(is_small(halley), halley, newton))
 }
 
 /// What the inverse function's polynomial of fifth degree adds to its terms up to the second power, for a second point at the

@@ -13,3 +13,9 @@ static ARCH: LazyLock<Arch> = LazyLock::new(Arch::new);
 pub(crate) fn widest<T>(function: impl FnOnce() -> T) -> T {
     ARCH.dispatch(function)
 }
+
+/// One of two numbers: a choice that may be made of vectors, lane by lane.
+#[inline(always)]
+pub(crate) fn either(condition: bool, yes: f64, no: f64) -> f64 {
+    if condition { yes } else { no }
+}

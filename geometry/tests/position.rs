@@ -3,8 +3,11 @@
 mod common;
 
 use common::{Random, corner};
+use proptest::prelude::*;
 use vofkit_geometry::parallelepiped::UnitCube;
-use vofkit_geometry::{Cell, HalfSpace, Hexahedron, PositionError, PositionMethod, Quad, Vector};
+use vofkit_geometry::{
+    Cell, HalfSpace, Hexahedron, PlaneConstant, PositionError, PositionMethod, Quad, Vector, Wanted,
+};
 
 const SAMPLES: usize = 2000;
 
@@ -30,6 +33,57 @@ fn evaluations_on_ruled_cells() {
         let (mean, most) = evaluations(method);
         println!("{method:?}: mean {mean:.2}, most {most}");
         assert!(mean <= mean_allowed && most <= most_allowed, "{method:?}: mean {mean}, most {most}");
+    }
+}
+
+/// Bits of what a plane constant is, or of why there is none: numbers compare as they are printed, NaN with NaN.
+fn told(found: &Result<PlaneConstant, PositionError>) -> String {
+    format!("{found:?}")
+}
+
+/// Ruled cells, boxes, folded and inverted cells, slivers far away, with fractions that are usual, extreme or none.
+fn any_wanted() -> impl Strategy<Value = Wanted<Hexahedron, 3>> {
+    let fraction = prop_oneof![
+        4 => 0.0..1.0,
+        1 => prop::sample::select(vec![0.0, 1.0, 0.5, -0.1, 1.5, f64::NAN, 5e-324, 1e-300, 1e-15, 1.0 - 1e-15]),
+    ];
+    let (amplitude, thickness) = (prop::sample::select(vec![0.0, 1e-9, 0.15, 0.3, 1.2]), 0..4_i32);
+    (any::<u64>(), amplitude, thickness, fraction).prop_map(|(seed, amplitude, thickness, fraction)| {
+        let mut random = Random(seed);
+        let (cell, normal, turn) =
+            (random.cell::<3, Hexahedron>(amplitude), random.unit(), random.unit::<3>());
+        let scale = Vector::<3>::new(1.0, 1.0, 0.01_f64.powi(thickness));
+        let rotation = nalgebra::Rotation3::new(turn);
+        let place = |x: &Vector<3>| rotation * x.component_mul(&scale) + turn * 10.0_f64.powi(thickness);
+        let cell = Hexahedron::new(std::array::from_fn(|i| place(&cell.nodes()[i])));
+        Wanted { cell, normal, fraction }
+    })
+}
+
+proptest! {
+    #![proptest_config(common::config())]
+
+    /// Each result of a batch is to the bit that of the cell alone, whatever the batch's size and the cell's place in it.
+    #[test]
+    fn a_batch_gives_what_its_cells_give_alone(
+        wanted in prop::collection::vec(any_wanted(), 0..40),
+        first in 0_usize..8,
+        brent in prop::bool::weighted(0.1),
+    ) {
+        let method = if brent { PositionMethod::Brent } else { PositionMethod::Auto };
+        let alone: Vec<String> = wanted
+            .iter()
+            .map(|Wanted { cell, normal, fraction }| told(&cell.plane_constant(normal, *fraction, method)))
+            .collect();
+        for skipped in [0, first.min(wanted.len())] {
+            let mut batch = vec![None; wanted.len() - skipped];
+            Hexahedron::plane_constants(&wanted[skipped..], method, |i, found| {
+                assert!(batch[i].replace(told(&found)).is_none(), "told twice");
+            });
+            for (alone, batch) in alone[skipped..].iter().zip(batch) {
+                prop_assert_eq!(Some(alone.clone()), batch);
+            }
+        }
     }
 }
 

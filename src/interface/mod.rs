@@ -11,7 +11,7 @@ mod parts;
 pub mod sharing;
 
 use vofkit_geometry::clip::Tile;
-use vofkit_geometry::{Cell, HalfSpace, PositionError, PositionMethod};
+use vofkit_geometry::{Cell, HalfSpace, PlaneConstant, PositionError, PositionMethod, Vector, Wanted};
 
 pub(crate) use nested::region;
 pub use nested::{Cut, Dissector, Shared};
@@ -266,13 +266,42 @@ pub(crate) fn planes_timed<C: Cell<D>, const D: usize>(
 ) -> Result<Vec<Placed<D>>, ReconstructionError> {
     let found = method.normal.normals(material, cells, method.position);
     stopwatch.lap(|seconds| &mut seconds.normals);
-    let placed = parallel::map(cells.len(), |i| {
-        let cell = material.mesh.local_cell(cells[i]);
-        place_along(body, material, cells[i], &cell, found[i], method.position)
+    let placed = parallel::map_blocks(cells.len(), |block| {
+        place_all(body, material, &cells[block.clone()], &found[block], method.position)
     });
     let placed = placed.into_iter().collect();
     stopwatch.lap(|seconds| &mut seconds.positions);
     placed
+}
+
+/// The planes of mixed cells with the normals that were found.
+fn place_all<C: Cell<D>, const D: usize>(
+    body: Body,
+    material: Material<'_, C, D>,
+    cells: &[usize],
+    found: &[Found<D>],
+    position: PositionMethod,
+) -> Vec<Result<Placed<D>, ReconstructionError>> {
+    let cell = |index: usize| material.mesh.local_cell(index);
+    let all = cells.iter().copied().zip(found.iter().copied());
+    if body == Body::Tile {
+        return all
+            .map(|(index, found)| place_along(body, material, index, &cell(index), found, position))
+            .collect();
+    }
+    let wanted: Vec<Wanted<C, D>> = (all.clone())
+        .filter_map(|(index, found)| {
+            let normal = found.ok()?.normal;
+            Some(Wanted { cell: cell(index), normal, fraction: material.fractions[index] })
+        })
+        .collect();
+    let mut constants = vec![None; wanted.len()];
+    C::plane_constants(&wanted, position, |i, found| constants[i] = Some(found));
+    let mut constants = constants.into_iter().flatten();
+    all.map(|(index, found)| {
+        placed(material, index, found, |_| constants.next().unwrap_or(Err(PositionError::Normal)))
+    })
+    .collect()
 }
 
 /// The plane of one mixed cell with the normal that was found.
@@ -284,18 +313,27 @@ fn place_along<C: Cell<D>, const D: usize>(
     found: Found<D>,
     position: PositionMethod,
 ) -> Result<Placed<D>, ReconstructionError> {
+    let fraction = material.fractions[index];
+    placed(material, index, found, |normal| match body {
+        Body::Cell => cell.plane_constant(normal, fraction, position),
+        Body::Tile => C::Tile::plane_constant(cell, normal, fraction, position),
+    })
+}
+
+/// A plane from the normal that was found and the plane constant along it.
+fn placed<C: Cell<D>, const D: usize>(
+    material: Material<'_, C, D>,
+    index: usize,
+    found: Found<D>,
+    constant: impl FnOnce(&Vector<D>) -> Result<PlaneConstant, PositionError>,
+) -> Result<Placed<D>, ReconstructionError> {
     let Direction { normal, determined, trials } = match found {
         Ok(direction) => direction,
         Err(reason) => return Ok(Placed::NoNormal(reason)),
     };
-    let fraction = material.fractions[index];
-    let found = match body {
-        Body::Cell => cell.plane_constant(&normal, fraction, position),
-        Body::Tile => C::Tile::plane_constant(cell, &normal, fraction, position),
-    };
-    let found = found.map_err(|source| {
+    let found = constant(&normal).map_err(|source| {
         let cell = material.mesh.grid().offset(index).to_vec();
-        ReconstructionError::Cell { cell, fraction, source }
+        ReconstructionError::Cell { cell, fraction: material.fractions[index], source }
     })?;
     Ok(Placed::Plane {
         half_space: HalfSpace { normal, constant: found.constant },

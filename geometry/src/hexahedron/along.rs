@@ -12,12 +12,12 @@ use super::{Hexahedron, Vector3};
 
 /// A hexahedron along one normal, in its frame: heights of the nodes over the lowest of them, in units of `size`.
 pub(super) struct Along<'a> {
-    cell: &'a Hexahedron,
+    pub(super) cell: &'a Hexahedron,
     /// The normal in the frame; its size is the unit of all heights and depths here.
     pub(super) direction: Direction<3>,
     /// `m.y` of the lowest node.
     pub(super) low: f64,
-    heights: [f64; 8],
+    pub(super) heights: [f64; 8],
 }
 
 impl<'a> Along<'a> {
@@ -82,14 +82,8 @@ impl<'a> Along<'a> {
     /// The same, prepared for many depths.
     #[inline(always)]
     pub(super) fn rising(&self) -> Rising {
-        let heights = &self.heights;
-        Rising {
-            profile: Profile::new(heights, &self.cell.local, &self.direction.m),
-            cube: UnitCube::new(self.direction.m.as_slice()),
-            span: -smallest(&heights.map(|h| -h)),
-            middle: heights.iter().sum::<f64>() / 8.0,
-            total: self.cell.local_volume,
-        }
+        let profile = Profile::new(&self.heights, &self.cell.local, &self.direction.m);
+        Rising { profile, range: Range::new(&self.direction.m, &self.heights), total: self.cell.local_volume }
     }
 }
 
@@ -111,21 +105,50 @@ fn smallest(numbers: &[f64; 8]) -> f64 {
     smaller(smaller(smaller(a, b), smaller(c, d)), smaller(smaller(e, f), smaller(g, h)))
 }
 
-/// The volume below a plane as it rises.
-pub(super) struct Rising {
-    profile: Profile,
+/// The depths of a plane that rises through a cell.
+pub(super) struct Range {
     /// The cell without its twists, along the same normal.
     cube: UnitCube,
     /// Height of the highest node, and the mean height.
-    span: f64,
+    pub(super) span: f64,
     middle: f64,
+}
+
+impl Range {
+    /// For heights of the nodes over the lowest of them.
+    #[inline(always)]
+    pub(super) fn new(m: &Vector3, heights: &[f64; 8]) -> Self {
+        Self {
+            cube: UnitCube::new(m.as_slice()),
+            span: -smallest(&heights.map(|h| -h)),
+            middle: heights.iter().sum::<f64>() / 8.0,
+        }
+    }
+
+    /// A first guess for the depth of a part of the volume, from the affine part of the cell: for small parts with the lowest corners in
+    /// one place and the heights stretched, for others with the middles in one place; over the first sixteenth of the cell the one
+    /// gives way to the other.
+    #[inline(always)]
+    pub(super) fn start(&self, fraction: f64) -> f64 {
+        let depth = self.cube.position(fraction);
+        let stretched = depth * (self.span / self.cube.span());
+        let centred = depth + (self.middle - 0.5 * self.cube.span());
+        let weight = (16.0 * fraction).min(1.0);
+        (stretched + weight * (centred - stretched)).clamp(0.0, self.span)
+    }
+}
+
+/// The volume below a plane as it rises.
+pub(super) struct Rising {
+    profile: Profile,
+    range: Range,
     total: f64,
 }
 
 impl Monotone for Rising {
     #[inline(always)]
     fn span(&self) -> f64 {
-        self.span
+        self.range.span
     }
 
     #[inline(always)]
@@ -138,15 +161,9 @@ impl Monotone for Rising {
         self.profile.volume(depth)
     }
 
-    /// From the affine part: for small parts with the lowest corners in one place and the heights stretched, for others with the
-    /// middles in one place; over the first sixteenth of the cell the one gives way to the other.
     #[inline(always)]
     fn start(&self, fraction: f64) -> f64 {
-        let depth = self.cube.position(fraction);
-        let stretched = depth * (self.span / self.cube.span());
-        let centred = depth + (self.middle - 0.5 * self.cube.span());
-        let weight = (16.0 * fraction).min(1.0);
-        (stretched + weight * (centred - stretched)).clamp(0.0, self.span)
+        self.range.start(fraction)
     }
 
     fn closed_form(&mut self, _fraction: f64) -> Option<(f64, usize)> {

@@ -1,26 +1,29 @@
-//! A hexahedron along one normal, prepared for any number of depths: its faces side by side.
+//! Faces side by side, each along the normal of its cell, prepared for any number of depths: the six faces of one cell, or
+//! the same face of several cells.
 
 use std::array::from_fn;
 
 use crate::cell::Cell;
-use crate::face_part::{Corner, Part, Weights, either};
+use crate::face_part::{Corner, Part, Weights};
 use crate::hyperbola::Argument;
 use crate::root::Value;
+use crate::simd::either;
 use crate::tolerance::HEIGHT_NEGLIGIBLE;
 
 use super::{Hexahedron, Vector3};
 
-/// Faces side by side: six, and two that are nothing, for the widest vector instructions hold eight numbers.
-const LANES: usize = 8;
+/// Faces side by side, for the widest vector instructions hold eight numbers: six and two that are nothing, or those of eight cells.
+pub(super) const LANES: usize = 8;
 
 /// One number for each face.
-type Lanes = [f64; LANES];
+pub(super) type Lanes = [f64; LANES];
 
-/// The truncated volume by the depth of the plane; see [`crate::face_part`]. What belongs to a corner of a face, or to the edge from it to
-/// the next, stands at the place of the corner in outward order.
+/// What faces add to the truncated volume by the depth of the plane; see [`crate::face_part`]. What belongs to a corner of a face, or to
+/// the edge from it to the next, stands at the place of the corner in outward order.
+#[derive(Clone, Copy)]
 pub(super) struct Profile {
     /// Heights of the nodes.
-    heights: [Lanes; 4],
+    pub(super) heights: [Lanes; 4],
     /// Differences of height along the edges.
     rises: [Lanes; 4],
     /// `g`.
@@ -98,12 +101,8 @@ impl Shadow {
     /// Of nodes `y`, along a normal whose largest component is 1 or -1.
     #[inline(always)]
     pub(super) fn new(y: &[Vector3; 8], m: &Vector3) -> Self {
-        let [x_is_largest, y_is_largest] = [m[0].abs() == 1.0, m[1].abs() == 1.0];
-        let axis = if x_is_largest { 0 } else { if y_is_largest { 1 } else { 2 } };
-        let (j, k) = if x_is_largest { (1, 2) } else { if y_is_largest { (2, 0) } else { (0, 1) } };
-        let down = -m[axis].signum();
-        let x = [from_fn(|i| down * y[i].as_slice()[j]), from_fn(|i| y[i].as_slice()[k])];
-        Self { axes: [axis, j, k], x: [corners(&x[0], 0.0), corners(&x[1], 0.0)] }
+        let axes = axes(m);
+        Self { axes, x: projected(y, m, axes).map(|x| corners(&x, 0.0)) }
     }
 
     /// Both coordinates of the corners of a face.
@@ -113,7 +112,30 @@ impl Shadow {
     }
 }
 
+/// The axis in which a normal is largest, with 1 or -1, and the other two in cyclic order.
+#[inline(always)]
+pub(super) fn axes(m: &Vector3) -> [usize; 3] {
+    let [x_is_largest, y_is_largest] = [m[0].abs() == 1.0, m[1].abs() == 1.0];
+    if x_is_largest { [0, 1, 2] } else { if y_is_largest { [1, 2, 0] } else { [2, 0, 1] } }
+}
+
+/// The two coordinates of the nodes in a shadow.
+#[inline(always)]
+pub(super) fn projected(y: &[Vector3; 8], m: &Vector3, [axis, j, k]: [usize; 3]) -> [[f64; 8]; 2] {
+    let down = -m[axis].signum();
+    [from_fn(|i| down * y[i].as_slice()[j]), from_fn(|i| y[i].as_slice()[k])]
+}
+
 impl Profile {
+    /// No faces.
+    pub(super) const NOTHING: Self = Self {
+        heights: [[0.0; LANES]; 4],
+        rises: [[0.0; LANES]; 4],
+        density: [[0.0; LANES]; 4],
+        twist: [0.0; LANES],
+        whole: [[0.0; LANES]; 2],
+    };
+
     /// For nodes `y` with these heights along `m`, whose largest component is 1 or -1.
     #[inline(always)]
     pub(super) fn new(heights: &[f64; 8], y: &[Vector3; 8], m: &Vector3) -> Self {
@@ -124,18 +146,18 @@ impl Profile {
     #[inline(always)]
     pub(super) fn over(heights: &[f64; 8], shadow: &Shadow) -> Self {
         // Never below: for the lanes that are nothing.
-        let mut profile = Self {
-            heights: corners(heights, f64::MAX),
-            rises: [[1.0; LANES]; 4],
-            density: [[0.0; LANES]; 4],
-            twist: [0.0; LANES],
-            whole: [[0.0; LANES]; 2],
-        };
-        for i in 0..LANES {
-            let [x, y] = shadow.face(i);
-            profile.set_face(i, [0, 1, 2, 3].map(|corner| [x[corner], y[corner]]));
-        }
+        let mut profile = Self { heights: corners(heights, f64::MAX), ..Self::NOTHING };
+        profile.prepare(|i| shadow.face(i));
         profile
+    }
+
+    /// Fills in the rest, for faces whose heights are given, with these shadows.
+    #[inline(always)]
+    pub(super) fn prepare(&mut self, shadow: impl Fn(usize) -> [[f64; 4]; 2]) {
+        for i in 0..LANES {
+            let [x, y] = shadow(i);
+            self.set_face(i, [0, 1, 2, 3].map(|corner| [x[corner], y[corner]]));
+        }
     }
 
     /// Prepares a face, from the nodes projected along `e`.
@@ -164,12 +186,20 @@ impl Profile {
         self.whole[1][i] = middle;
     }
 
-    /// The part of the cell below one depth.
+    /// The part of the cell below one depth, where the faces are those of one cell.
     #[inline(always)]
     pub(super) fn volume(&self, depth: f64) -> Value {
+        let [value, derivative, second] = self.below(&[depth; LANES]).map(|lanes| sum(&lanes));
+        Value { value, derivative, second }
+    }
+
+    /// What each face adds to volume, derivative and second derivative, each below a depth of its own.
+    #[inline(always)]
+    pub(super) fn below(&self, depths: &Lanes) -> [Lanes; 3] {
         let mut faces = [[0.0; LANES]; 3];
         let mut rare = [0.0; LANES];
         for i in 0..LANES {
+            let depth = depths[i];
             let heights = self.heights(i, depth);
             let cut = Cut::new(heights.map(|s| s <= 0.0));
             let part = self.part(i, heights, &cut);
@@ -183,11 +213,11 @@ impl Profile {
         }
         if sum(&rare) > 0.0 {
             for i in (0..LANES).filter(|&i| rare[i] > 0.0) {
-                let Value { value, derivative, second } = self.rare_face(i, depth);
+                let Value { value, derivative, second } = self.rare_face(i, depths[i]);
                 (faces[0][i], faces[1][i], faces[2][i]) = (value, derivative, second);
             }
         }
-        Value { value: sum(&faces[0]), derivative: sum(&faces[1]), second: sum(&faces[2]) }
+        faces
     }
 
     /// Area and first moment of the section at depth 0, both projected along `e`, with the coordinates of the shadow.
@@ -331,7 +361,7 @@ fn corners(nodes: &[f64; 8], none: f64) -> [Lanes; 4] {
 
 /// The sum over all faces.
 #[inline(always)]
-fn sum(lanes: &Lanes) -> f64 {
+pub(super) fn sum(lanes: &Lanes) -> f64 {
     let [a, b, c, d, e, f, g, h] = *lanes;
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
