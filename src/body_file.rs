@@ -39,12 +39,14 @@ pub enum BodyFileError {
         problem: String,
     },
     /// A surface that bounds no body.
-    #[error("{}: {error}", path.display())]
+    #[error("{}: {}", path.display(), error.told(lines))]
     Surface {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
         error: BodyError,
+        /// The lines on which the segments of an outline start, counted from 1; of triangles none.
+        lines: Vec<usize>,
     },
 }
 
@@ -63,7 +65,7 @@ impl BodyFileError {
             Self::Kind { .. } => "build vofkit with the feature `surface` to read .stl and .obj files",
             Self::Content { .. } => "write the file again, or name another one",
             Self::Surface { .. } => {
-                "repair the surface: every edge belongs to two triangles that run along it in opposite ways"
+                "repair the surface: every edge belongs to two triangles that run along it in opposite ways, and its parts do not overlap"
             }
         }
     }
@@ -86,20 +88,30 @@ pub fn read<const D: usize>(path: &Path) -> Result<Body<D>, BodyFileError> {
     };
     let bytes =
         whole_file::bytes(path).map_err(|error| BodyFileError::Read { path: path.to_owned(), error })?;
-    let coordinates =
+    let Pieces { coordinates, lines } =
         reader(&bytes).map_err(|problem| BodyFileError::Content { path: path.to_owned(), problem })?;
     let piece = |all: &[f64]| std::array::from_fn(|i| Vector::from_fn(|k, _| all[D * i + k]));
     let surface: Vec<[Vector<D>; D]> = coordinates.chunks_exact(D * D).map(piece).collect();
-    Body::new(&surface).map_err(|error| BodyFileError::Surface { path: path.to_owned(), error })
+    Body::new(&surface).map_err(|error| BodyFileError::Surface { path: path.to_owned(), error, lines })
 }
 
-/// From the bytes of a file to the coordinates of the corners of all pieces, or what is wrong with them.
-type Reader = fn(&[u8]) -> Result<Vec<f64>, String>;
+/// The pieces of a surface.
+#[derive(Default)]
+struct Pieces {
+    /// The coordinates of the corners of all of them.
+    coordinates: Vec<f64>,
+    /// The lines on which segments start.
+    lines: Vec<usize>,
+}
 
-fn polygons(bytes: &[u8]) -> Result<Vec<f64>, String> {
+/// From the bytes of a file to the pieces in it, or what is wrong with them.
+type Reader = fn(&[u8]) -> Result<Pieces, String>;
+
+fn polygons(bytes: &[u8]) -> Result<Pieces, String> {
     let text = std::str::from_utf8(bytes).map_err(|error| format!("it is not text: {error}"))?;
-    let mut coordinates = Vec::new();
+    let mut pieces = Pieces::default();
     let mut points: Vec<[f64; 2]> = Vec::new();
+    let mut lines: Vec<usize> = Vec::new();
     // A blank line behind the last one ends the last loop.
     for (number, line) in text.lines().chain([""]).enumerate() {
         let line = line.split('#').next().unwrap_or_default().trim();
@@ -107,7 +119,10 @@ fn polygons(bytes: &[u8]) -> Result<Vec<f64>, String> {
             let numbers = line.split([',', ' ', '\t', ';']).filter(|word| !word.is_empty());
             let numbers: Result<Vec<f64>, _> = numbers.map(str::parse).collect();
             match numbers.as_deref() {
-                Ok(&[x, y]) => points.push([x, y]),
+                Ok(&[x, y]) => {
+                    points.push([x, y]);
+                    lines.push(number + 1);
+                }
                 _ => return Err(format!("line {} is \"{line}\", not two numbers: x, y", number + 1)),
             }
             continue;
@@ -126,23 +141,29 @@ fn polygons(bytes: &[u8]) -> Result<Vec<f64>, String> {
             }
             _ => {
                 let next = points.iter().cycle().skip(1);
-                coordinates.extend(points.iter().zip(next).flat_map(|([a, b], [c, d])| [*a, *b, *c, *d]));
+                pieces
+                    .coordinates
+                    .extend(points.iter().zip(next).flat_map(|([a, b], [c, d])| [*a, *b, *c, *d]));
+                pieces.lines.extend(&lines[..points.len()]);
             }
         }
         points.clear();
+        lines.clear();
     }
-    Ok(coordinates)
+    Ok(pieces)
 }
 
 #[cfg(feature = "surface")]
 mod triangles {
     use std::io::Cursor;
 
+    use super::Pieces;
+
     /// Bytes before the triangles of a binary STL file, and of each of them.
     const HEADER: usize = 84;
     const TRIANGLE: usize = 50;
 
-    pub(super) fn stl(bytes: &[u8]) -> Result<Vec<f64>, String> {
+    pub(super) fn stl(bytes: &[u8]) -> Result<Pieces, String> {
         let count =
             bytes.get(HEADER - 4..HEADER).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
         let is_binary = count
@@ -172,10 +193,10 @@ mod triangles {
             }
             _ => solid(bytes.to_vec())?,
         }
-        Ok(coordinates)
+        Ok(Pieces { coordinates, ..Pieces::default() })
     }
 
-    pub(super) fn obj(bytes: &[u8]) -> Result<Vec<f64>, String> {
+    pub(super) fn obj(bytes: &[u8]) -> Result<Pieces, String> {
         let options = tobj::LoadOptions {
             triangulate: true,
             ignore_points: true,
@@ -195,6 +216,6 @@ mod triangles {
                 coordinates.extend(corner);
             }
         }
-        Ok(coordinates)
+        Ok(Pieces { coordinates, ..Pieces::default() })
     }
 }

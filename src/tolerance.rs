@@ -172,6 +172,10 @@ pub const LARGEST_RADIUS: f64 = 64.0;
 /// round it is.
 pub const SHELL_FLAT: f64 = 1e-14;
 
+/// Parts of a surface that are nearer than this, relative to the longest side of the box around it, touch: well above the rounding of
+/// coordinates in single precision. Without it bodies that lie on each other would be told to overlap.
+pub const SHELL_TOUCH: f64 = 1e-6;
+
 /// The sum of the fluxes of a cell, over its volume and the largest Courant number of the mesh, below which a velocity from nodes is free of
 /// divergence: the rounding of fields that are so, such as rotations. More would show up as a drift of volumes.
 pub const DIVERGENCE_ROUNDING: f64 = 1e-12;

@@ -49,7 +49,7 @@ pub(super) fn sphere_surface(centre: V3, radius: f64, n: usize, m: usize) -> Tri
     triangles
 }
 
-fn loop_of(points: &[[f64; 2]]) -> Vec<[V2; 2]> {
+pub(super) fn loop_of(points: &[[f64; 2]]) -> Vec<[V2; 2]> {
     (0..points.len()).map(|i| [points[i].into(), points[(i + 1) % points.len()].into()]).collect()
 }
 

@@ -103,6 +103,10 @@ fn what_is_wrong_with_a_file_is_told_with_its_place() {
     odd[84 + 50 * 7 + 12..][..4].copy_from_slice(&f32::NAN.to_le_bytes());
     place.file("odd.stl", &odd);
     place.file("cut.stl", &open[..1000]);
+    let once = fs::read(shipped("knot.stl")).expect("it is there");
+    let mut twice = [&once[..], &once[84..]].concat();
+    twice[80..84].copy_from_slice(&4800_u32.to_le_bytes());
+    place.file("twice.stl", &twice);
     place.file("empty.obj", "# nothing\n");
     place.file("away.obj", "v 0 0 0\nf 1 2 3\n");
     place.file("gear.txt", "0, 0\n1, 0\n");
@@ -111,6 +115,11 @@ fn what_is_wrong_with_a_file_is_told_with_its_place() {
         ("open.stl", "", "no other one shares"),
         ("odd.stl", "", "triangle 8 has a coordinate that is not finite"),
         ("cut.stl", "", "no STL file"),
+        (
+            "twice.stl",
+            "",
+            "triangle 1 lies where the surface overlaps or is turned over: it winds 2 times around one side",
+        ),
         ("empty.obj", "", "no triangles"),
         ("away.obj", "", "no OBJ file"),
         ("gear.txt", "", "no file of a body in space"),
@@ -130,6 +139,8 @@ fn what_is_wrong_with_a_file_is_told_with_its_place() {
     assert!(wrong("0 0\n1 0\n1 1\n\n3, x\n").to_string().contains("line 5"));
     assert!(wrong("0 0\n1 0\n\n").to_string().contains("before line 3 has 2 points"));
     assert!(matches!(wrong("# none\n"), BodyFileError::Surface { error: BodyError::Empty, .. }));
+    let eight = wrong("0 0\n1 0\n1 1\n\n# eight\n0 0\n3 3\n3 0\n0 3\n").to_string();
+    assert!(eight.contains("the segments from lines 6, 8 run through each other"), "{eight}");
     assert!(wrong("0 0\nnan 1\n1 1\n").to_string().contains("not finite"));
     assert!(matches!(wrong("0 0\n1 1\n2 2\n"), BodyFileError::Surface { error: BodyError::Flat { .. }, .. }));
 }

@@ -6,6 +6,7 @@ mod centroids;
 mod common;
 #[cfg(all(feature = "cli", feature = "surface", feature = "obj", feature = "vtk"))]
 mod files;
+mod overlaps;
 
 use std::f64::consts::PI;
 use std::time::Instant;

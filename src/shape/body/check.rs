@@ -1,4 +1,4 @@
-//! Whether a surface bounds a body, and which way round its shells are.
+//! What can be wrong with a surface, whether it is closed, and which way round its shells are.
 
 use std::fmt;
 
@@ -33,24 +33,58 @@ pub enum BodyDefect {
         /// The triangles.
         triangles: Vec<usize>,
     },
+    /// Two triangles that run through each other.
+    Crossing {
+        /// The triangles.
+        triangles: [usize; 2],
+    },
+    /// A triangle next to which the surface overlaps, or is turned over.
+    Overlapping {
+        /// The triangle.
+        triangle: usize,
+        /// How often the surface winds around the space on one side of it.
+        winding: i32,
+    },
+}
+
+impl BodyDefect {
+    /// What is wrong, with triangles by their numbers, and segments by the lines on which they start.
+    fn told(&self, lines: &[usize]) -> String {
+        let names = |triangles: &[usize]| {
+            let line = |triangle: &usize| lines.get(triangle - 1).unwrap_or(triangle).to_string();
+            let list = triangles.iter().map(line).collect::<Vec<_>>().join(", ");
+            match (lines, triangles) {
+                ([], [_]) => format!("triangle {list}"),
+                ([], _) => format!("triangles {list}"),
+                (_, [_]) => format!("the segment from line {list}"),
+                _ => format!("the segments from lines {list}"),
+            }
+        };
+        match self {
+            Self::NotFinite { triangle } => {
+                format!("{} has a coordinate that is not finite", names(&[*triangle]))
+            }
+            Self::Open { triangle } => {
+                format!("{} has an edge that no other one shares", names(&[*triangle]))
+            }
+            Self::TurnedOver { triangles } => {
+                format!("{} run the same way along their common edge", names(triangles))
+            }
+            Self::Branching { triangles } => {
+                format!("{} meet at one edge, an odd number of them", names(triangles))
+            }
+            Self::Crossing { triangles } => format!("{} run through each other", names(triangles)),
+            Self::Overlapping { triangle, winding } => format!(
+                "{} lies where the surface overlaps or is turned over: it winds {winding} times around one side",
+                names(&[*triangle])
+            ),
+        }
+    }
 }
 
 impl fmt::Display for BodyDefect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let list =
-            |triangles: &[usize]| triangles.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
-        match self {
-            Self::NotFinite { triangle } => {
-                write!(f, "triangle {triangle} has a coordinate that is not finite")
-            }
-            Self::Open { triangle } => write!(f, "triangle {triangle} has an edge that no other one shares"),
-            Self::TurnedOver { triangles } => {
-                write!(f, "triangles {} run the same way along their common edge", list(triangles))
-            }
-            Self::Branching { triangles } => {
-                write!(f, "triangles {} meet at one edge, an odd number of them", list(triangles))
-            }
-        }
+        f.write_str(&self.told(&[]))
     }
 }
 
@@ -67,8 +101,20 @@ pub enum BodyError {
         triangles: usize,
     },
     /// Everything that is wrong with it.
-    #[error("the surface does not bound a body: {}", .0.first_lines())]
+    #[error("the surface does not bound a body: {}", .0.told(&[]))]
     Defects(Defects),
+}
+
+impl BodyError {
+    /// What is wrong, with the lines on which the segments of an outline start.
+    pub(crate) fn told(&self, lines: &[usize]) -> String {
+        match self {
+            Self::Defects(defects) if !lines.is_empty() => {
+                format!("the outline does not bound a body: {}", defects.told(lines))
+            }
+            other => other.to_string(),
+        }
+    }
 }
 
 /// A list of defects.
@@ -76,8 +122,8 @@ pub enum BodyError {
 pub struct Defects(pub Vec<BodyDefect>);
 
 impl Defects {
-    fn first_lines(&self) -> String {
-        let named: Vec<String> = self.0.iter().take(NAMED).map(BodyDefect::to_string).collect();
+    fn told(&self, lines: &[usize]) -> String {
+        let named: Vec<String> = self.0.iter().take(NAMED).map(|defect| defect.told(lines)).collect();
         let more = match self.0.len().saturating_sub(NAMED) {
             0 => String::new(),
             more => format!("; and {more} more defects"),
@@ -120,7 +166,7 @@ impl fmt::Display for BodyNotice {
     }
 }
 
-fn refused(defects: Vec<BodyDefect>) -> Result<(), BodyError> {
+pub(super) fn refused(defects: Vec<BodyDefect>) -> Result<(), BodyError> {
     if defects.is_empty() { Ok(()) } else { Err(BodyError::Defects(Defects(defects))) }
 }
 
@@ -188,22 +234,25 @@ fn join(shells: &mut [usize], a: usize, b: usize) {
     shells[a.max(b)] = a.min(b);
 }
 
-/// Turns shells so that those inside an even number of others point outward and the rest inward.
+/// Turns shells so that those inside an even number of others point outward and the rest inward. What is nearer than `touch` touches.
 ///
 /// # Errors
 /// A body of no volume.
-pub(super) fn orient<const D: usize>(body: &mut Body<D>, shells: &[usize]) -> Result<(), BodyError> {
+pub(super) fn orient<const D: usize>(
+    body: &mut Body<D>,
+    shells: &[usize],
+    touch: f64,
+) -> Result<(), BodyError> {
     let mut members: Vec<(usize, usize)> = shells.iter().copied().zip(0..).collect();
     members.sort_unstable();
-    let [lower, upper] = body.bounding_box();
-    let negligible = SHELL_FLAT * (upper - lower).amax().powi(D as i32);
+    let negligible = SHELL_FLAT * body.extent().powi(D as i32);
     let mut turned = Vec::new();
     let mut is_flat = true;
     for shell in members.chunk_by(|a, b| a.0 == b.0) {
         let (first, triangles) = (shell[0].0, shell.len());
         let volume = body.volume_of(shell.iter().map(|(_, piece)| *piece));
         is_flat &= volume.abs() <= negligible;
-        let is_cavity = depth(body, shells, first) % 2 == 1;
+        let is_cavity = depth(body, shells, shell, touch) % 2 == 1;
         if (volume < 0.0) != is_cavity {
             let triangle = first + 1;
             turned.push(first);
@@ -224,17 +273,24 @@ pub(super) fn orient<const D: usize>(body: &mut Body<D>, shells: &[usize]) -> Re
     Ok(())
 }
 
-/// How many other shells enclose a shell.
-fn depth<const D: usize>(body: &Body<D>, shells: &[usize], shell: usize) -> usize {
-    let piece = body.piece(shell);
-    let middle = piece.iter().sum::<Vector<D>>() / D as f64;
-    let mut around: Vec<(usize, i32)> = Vec::new();
-    body.above(&middle, |number, side| {
-        let other = shells[number];
-        match around.iter_mut().find(|(known, _)| *known == other) {
-            Some((_, winding)) => *winding += side,
-            None => around.push((other, side)),
+/// How many other shells enclose a shell, by the first of its pieces that touches none of them. A shell that is touched everywhere
+/// lies beside those that touch it.
+fn depth<const D: usize>(body: &Body<D>, shells: &[usize], shell: &[(usize, usize)], touch: f64) -> usize {
+    let mut enclosing = 0;
+    for &(own, piece) in shell {
+        let mut around: Vec<(usize, [i32; 2])> = Vec::new();
+        body.across(piece, touch, |number, sides| {
+            let other = shells[number];
+            match around.iter_mut().find(|(known, _)| *known == other) {
+                Some((_, windings)) => (0..2).for_each(|i| windings[i] += sides[i]),
+                None => around.push((other, sides)),
+            }
+        });
+        around.retain(|(other, _)| *other != own);
+        enclosing = around.iter().filter(|(_, windings)| !windings.contains(&0)).count();
+        if around.iter().all(|(_, [before, behind])| before == behind) {
+            break;
         }
-    });
-    around.iter().filter(|(other, winding)| *other != shell && *winding != 0).count()
+    }
+    enclosing
 }

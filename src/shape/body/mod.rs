@@ -1,9 +1,11 @@
 //! Bodies bounded by triangles, in two dimensions by segments.
 //!
 //! This file holds a body and how it is made and moved; [`check`] what can be wrong with its surface, and which way round it is;
-//! `inside` which points it holds; `tree` finds the parts of the surface next to a place.
+//! `crossing` whether it crosses or overlaps itself; `inside` which points it holds; `tree` finds the parts of the surface next
+//! to a place.
 
 pub mod check;
+mod crossing;
 mod inside;
 mod tree;
 
@@ -13,13 +15,14 @@ use vofkit_geometry::Vector;
 use vofkit_geometry::clip::bounds;
 
 use super::Rotation;
+use crate::tolerance::SHELL_TOUCH;
 pub use check::{BodyDefect, BodyError, BodyNotice};
 use tree::Tree;
 
 /// A closed surface of triangles (2D: segments) and what it encloses.
 ///
-/// Triangles are counter-clockwise seen from outside; segments run counter-clockwise around the body. What the surface encloses
-/// has the winding number 1 or more.
+/// Triangles are counter-clockwise seen from outside; segments run counter-clockwise around the body. The surface winds once around
+/// what it encloses.
 #[derive(Clone, Debug)]
 pub struct Body<const D: usize> {
     corners: Vec<Vector<D>>,
@@ -58,7 +61,10 @@ impl<const D: usize> Body<D> {
             surface.iter().map(|piece| std::array::from_fn(|i| number(&piece[i]))).collect();
         let shells = check::shells(&pieces)?;
         let mut body = Self::assembled(corners, pieces, Vec::new());
-        check::orient(&mut body, &shells)?;
+        let touch = SHELL_TOUCH * body.extent();
+        crossing::apart(&body, touch)?;
+        check::orient(&mut body, &shells, touch)?;
+        crossing::simple(&body, touch)?;
         Ok(body)
     }
 
@@ -113,6 +119,12 @@ impl<const D: usize> Body<D> {
             normal(&piece).dot(&(piece[0] - origin))
         });
         heights.sum::<f64>() / factorial
+    }
+
+    /// The longest side of the box around the body.
+    fn extent(&self) -> f64 {
+        let [lower, upper] = self.bounding_box();
+        (upper - lower).amax()
     }
 
     /// The corners of the box around the body.
