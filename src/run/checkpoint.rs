@@ -13,7 +13,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use serde::{Deserialize, Serialize};
 
 use super::RunError;
-use super::fields::FieldValues;
+use super::fields::{FIELD_TABLE, FieldValues};
+use super::folder::PARTIAL;
+use super::history::HISTORY;
 use super::output::Written;
 use super::quantities::QuantityValues;
 use super::tally::Tally;
@@ -55,7 +57,7 @@ impl Checkpoints {
 /// Where a run stands between two steps.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(super) struct State<'a> {
-    /// The [check sum](sum) of what the files of the scene gave.
+    /// The [check sum](super::inputs::inputs) of what the files of the scene gave.
     pub(super) inputs: u64,
     pub(super) step: usize,
     pub(super) substeps: usize,
@@ -207,10 +209,11 @@ impl Checkpoint {
         RunError::Checkpoint { path, problem, help: CHANGED }
     }
 
-    /// Whether the state belongs to a mesh of so many cells, as many materials, and files with this [check sum](sum).
+    /// Whether the state belongs to a mesh of so many cells, as many materials, and files with this [check sum](super::inputs::inputs),
+    /// and whether what the run wrote is there.
     ///
     /// # Errors
-    /// It does not: files that the scene names have changed.
+    /// It does not: files that the scene names have changed. Or a file of the run is missing.
     pub(super) fn check(
         &self,
         cells: usize,
@@ -222,10 +225,12 @@ impl Checkpoint {
         let fits =
             fractions.len() == materials && fractions.iter().all(|f| f.len() == cells) && *step <= steps;
         if fits && inputs == self.state.inputs {
-            return Ok(());
+            return self.check_files();
         }
         if fits {
-            let problem = "belongs to other nodes or velocities than the files of the scene have".to_owned();
+            let problem =
+                "belongs to other nodes, fractions, bodies or velocities than the files of the scene have"
+                    .to_owned();
             return Err(RunError::Checkpoint { path: self.path.clone(), problem, help: CHANGED });
         }
         let found = fractions.first().map_or(0, Vec::len);
@@ -234,5 +239,20 @@ impl Checkpoint {
             fractions.len()
         );
         Err(RunError::Checkpoint { path: self.path.clone(), problem, help: CHANGED })
+    }
+
+    /// Whether the files that the run wrote are there.
+    fn check_files(&self) -> Result<(), RunError> {
+        let State { written, history, field_table, .. } = &self.state;
+        let is_there = |name: &str| self.folder().join(name).is_file();
+        // A run that failed completes its tables.
+        let partial = |name: &str| format!("{name}{PARTIAL}");
+        let tables = [(HISTORY, history), (FIELD_TABLE, field_table)].into_iter();
+        let tables = tables.filter(|(name, length)| length.is_some() && !is_there(name));
+        let mut wanted = written.files().iter().cloned().chain(tables.map(|(name, _)| partial(name)));
+        let Some(missing) = wanted.find(|name| !is_there(name)) else { return Ok(()) };
+        let problem = format!("goes on with {}, which is not there", self.folder().join(missing).display());
+        let help = "put it back, or start over: run the scene without --resume";
+        Err(RunError::Checkpoint { path: self.path.clone(), problem, help })
     }
 }

@@ -4,7 +4,7 @@
 //! - [`prepare`]: mesh, fractions and transport, with the last errors of the scene; `velocity`: what moves it; `memory`: whether they fit;
 //! - [`plan`]: the time steps; [`moment`]: the state at one time, with nothing written; [`results`]: read back from what was written;
 //! - `folder`, `history`, `table`, `output`, `series`, `planes`: what is written; [`draw`]: pictures, of the meshes that have them;
-//! - `checkpoint`: the state of a run, to go on from;
+//! - `checkpoint`: the state of a run, to go on from; `inputs`: whether its files are still the same;
 //! - `fields`: the quantities that belong to the mesh; `quantities`: those that belong to the materials;
 //! - `exact`: the exact final state, where it is known; `shape_errors`: how far planes are from shapes; `tally`: running totals; `notes`: what one might not expect;
 //! - [`progress`]: who is told how far it is; [`threads`]: how many work.
@@ -16,6 +16,7 @@ mod exact;
 mod fields;
 mod folder;
 mod history;
+mod inputs;
 mod memory;
 pub mod moment;
 mod notes;
@@ -52,6 +53,7 @@ pub use progress::{Progress, Silent};
 use fields::{FIELD_TABLE, FieldTable, Fields};
 use folder::{Folder, SUMMARY};
 use history::{HISTORY, History};
+use inputs::inputs;
 pub(crate) use memory::{forget_peak, megabytes, peak};
 pub(crate) use notes::{notes, of_start};
 use output::{Beside, Moved, Output};
@@ -70,7 +72,6 @@ use crate::profile::Profile;
 use crate::report::Summary;
 use crate::scene::{Resolved, Substeps};
 use crate::stopwatch::Stopwatch;
-use crate::velocity::Flow;
 use crate::volume_associated::TransportError;
 
 /// With [`Substeps::Auto`] a step is split further while a cell gives too much, but not into more parts than this.
@@ -270,7 +271,7 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
     fn go_on(&mut self, checkpoint: Checkpoint) -> Result<Stand<'a, D>, RunError> {
         let plan = self.setup.plan;
         let (cells, materials) = (self.setup.mover.mesh().grid().len(), self.scene.materials.len());
-        checkpoint.check(cells, materials, plan.steps, self.inputs())?;
+        checkpoint.check(cells, materials, plan.steps, inputs(self.scene, self.setup.mover.flow()))?;
         let refusal = checkpoint.refusal();
         let State {
             inputs: _,
@@ -310,14 +311,6 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
         })
     }
 
-    /// The check sum of what the files of the scene gave: the nodes of the mesh, and the velocities.
-    fn inputs(&self) -> u64 {
-        let nodes =
-            self.scene.mesh.file.iter().flat_map(|file| file.nodes.iter().flat_map(|x| x.iter().copied()));
-        let velocities = self.setup.mover.flow().into_iter().flat_map(Flow::numbers);
-        checkpoint::sum(nodes.chain(velocities))
-    }
-
     /// Writes a checkpoint where one is due, and ends a run that is to stop.
     fn checkpoint(&self, stand: Stand<'a, D>) -> Result<Stand<'a, D>, RunError> {
         let is_stopped = self.checkpoints.is_stopped();
@@ -326,7 +319,7 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
         }
         let length = |table: Option<&Table>| table.map(Table::length).transpose();
         let state = State {
-            inputs: self.inputs(),
+            inputs: inputs(self.scene, self.setup.mover.flow()),
             step: stand.step,
             substeps: stand.substeps,
             fractions: Cow::Borrowed(&stand.fractions),

@@ -160,6 +160,13 @@ pub(super) struct Written {
     obj_scale: Option<f64>,
 }
 
+impl Written {
+    /// The names of the files.
+    pub(super) fn files(&self) -> &[String] {
+        &self.files
+    }
+}
+
 impl<'a, const D: usize> Output<'a, D> {
     #[cfg_attr(not(feature = "vtk"), expect(unused_variables, reason = "only fields show it"))]
     pub(super) fn new(scene: &'a Still<D>, beside: Beside<D>, folder: PathBuf) -> Self {

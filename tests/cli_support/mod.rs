@@ -114,6 +114,13 @@ impl Place {
     }
 }
 
+impl Done {
+    /// The error as the terminal shows it, without its line breaks.
+    pub(crate) fn told(&self) -> String {
+        self.err.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ")
+    }
+}
+
 impl From<Output> for Done {
     fn from(output: Output) -> Self {
         let text = |bytes| String::from_utf8(bytes).unwrap();

@@ -130,8 +130,7 @@ fn what_is_wrong_with_a_file_is_told_with_its_place() {
         place.file("scene.toml", scene(file, more));
         let done = place.vofkit(&["reconstruct", "scene.toml"]);
         assert_eq!(done.code, Some(1), "{file}");
-        // The terminal breaks long lines.
-        let words = done.err.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
+        let words = done.told();
         assert!(words.contains(told) && words.contains("scene.toml:5"), "{file}: {}", done.err);
         assert!(!place.path("out").exists());
     }

@@ -13,7 +13,7 @@ use vofkit::geometry::{Hexahedron, Quad};
 use vofkit::run::{self, Checkpoint, Checkpoints, Progress, RunError, RunOptions};
 use vofkit::scene::Scene;
 
-use crate::cli_support::{Place, scene};
+use crate::cli_support::{Done, Place, scene};
 
 /// Sets a flag after some step.
 struct StopAfter {
@@ -114,11 +114,6 @@ fn stopped_runs_come_to_the_same_bits() {
     }
 }
 
-/// An error as the terminal shows it, without its line breaks.
-fn unwrapped(text: &str) -> String {
-    text.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ")
-}
-
 /// Starts `vofkit` and waits until a file is there.
 fn started(place: &Place, arguments: &[&str], until: &Path) -> Child {
     let mut command = place.command();
@@ -149,9 +144,9 @@ fn interrupted_and_killed_runs_go_on() {
     );
     let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(sent.success());
-    let stopped = child.wait_with_output().unwrap();
-    let told = unwrapped(&String::from_utf8(stopped.stderr).unwrap());
-    assert_eq!(stopped.status.code(), Some(1), "{told}");
+    let stopped = Done::from(child.wait_with_output().unwrap());
+    let told = stopped.told();
+    assert_eq!(stopped.code, Some(1), "{told}");
     assert!(told.contains("--resume parts") && checkpoint.exists(), "{told}");
 
     let first = fs::read(&checkpoint).unwrap();
@@ -192,11 +187,11 @@ fn checkpoints_that_are_none_are_refused() {
     for (bytes, told) in cases {
         fs::write(&path, bytes).unwrap();
         let done = place.vofkit(&["run", "--resume", "a"]);
-        let words = unwrapped(&done.err);
+        let words = done.told();
         assert!(done.code == Some(1) && words.contains(told), "{}", done.err);
     }
     fs::remove_file(&path).unwrap();
-    assert!(unwrapped(&place.vofkit(&["run", "--resume", "a"]).err).contains("cannot be read"));
+    assert!(place.vofkit(&["run", "--resume", "a"]).told().contains("cannot be read"));
     for arguments in
         [&["run", "--resume", "a", "b.toml"][..], &["run"], &["run", "b.toml", "--checkpoint", "0"]]
     {
@@ -206,5 +201,68 @@ fn checkpoints_that_are_none_are_refused() {
     fs::write(&path, &good).unwrap();
     fs::write(folder.join("history.csv.partial"), "step").unwrap();
     let done = place.vofkit(&["run", "--resume", "a"]);
-    assert!(done.code == Some(1) && unwrapped(&done.err).contains("bytes of"), "{}", done.err);
+    assert!(done.code == Some(1) && done.told().contains("bytes of"), "{}", done.err);
+}
+
+#[test]
+fn runs_do_not_go_on_without_their_files() {
+    let place = Place::new();
+    let (scene, folder) = (Scene::load(scene("fields/mmale_step"), &[]).unwrap(), place.path("a"));
+    go(&scene, &folder, None, 2).unwrap_err();
+    for name in ["history.csv.partial", "fields.csv.partial", "fields_0000.vts"] {
+        let [file, kept] = [folder.join(name), place.path("kept")];
+        fs::rename(&file, &kept).unwrap();
+        let done = place.vofkit(&["run", "--resume", "a"]);
+        let told = format!("goes on with a/{name}, which is not there");
+        assert!(done.code == Some(1) && done.told().contains(&told), "{}", done.err);
+        assert!(done.told().contains("start over"), "{}", done.err);
+        fs::rename(&kept, &file).unwrap();
+    }
+    assert_eq!(place.vofkit(&["run", "--resume", "a", "--quiet"]).code, Some(0));
+}
+
+#[test]
+fn runs_go_on_only_with_the_files_that_they_had() {
+    let place = Place::new();
+    let body = |name: &str| format!("{{ body = {{ file = \"{name}\" }} }}");
+    let vortex = "[velocity]\nfield = { reversed_vortex = { period = 1.0 } }\n[advection]\nend_time = 1.0\n";
+    let remesh = "[advection]\nmode = \"remesh\"\ncourant = 0.1\n";
+    let square = "0.4 0.4\n0.7 0.4\n0.7 0.7\n0.4 0.7\n";
+    let nodes = "x,y\n0,0\n1,0\n2,0\n0,1\n1.2,1\n2,1\n0,2\n1,2\n2,2\n";
+    let disc = "{ disc = { centre = [0.6, 0.6], radius = 0.2 } }";
+    let cases = [
+        ("body.txt", square, square.replace("0.7", "0.8"), "[8, 8]", body("body.txt"), vortex.to_owned()),
+        (
+            "field.txt",
+            square,
+            square.replace("0.7", "0.8"),
+            "[8, 8]",
+            disc.to_owned(),
+            format!(
+                "{vortex}[[field]]\nname = \"c\"\nscheme = \"donor\"\ninitial = {{ inclusions = {{ shapes = [{{ shape = {}, value = 1.0 }}] }} }}\n",
+                body("field.txt")
+            ),
+        ),
+        (
+            "nodes.csv",
+            nodes,
+            nodes.replace("1.2", "1.3"),
+            "[2, 2]\nupper = [2.0, 2.0]\nmotion = { nodes = [\"nodes.csv\"] }",
+            disc.to_owned(),
+            remesh.to_owned(),
+        ),
+    ];
+    for (file, was, is, mesh, shape, rest) in cases {
+        place.file(file, was);
+        let text = format!("[mesh]\ncells = {mesh}\n[[material]]\nname = \"a\"\nshape = {shape}\n{rest}");
+        let path = place.file(&format!("{file}.toml"), text);
+        let out = format!("out_{file}");
+        go(&Scene::load(path, &[]).unwrap(), &place.path(&out), None, 1).unwrap_err();
+        place.file(file, is);
+        let done = place.vofkit(&["run", "--resume", &out]);
+        let told = "belongs to other nodes, fractions, bodies or velocities";
+        assert!(done.code == Some(1) && done.told().contains(told), "{file}: {}", done.err);
+        place.file(file, was);
+        assert_eq!(place.vofkit(&["run", "--resume", &out, "--quiet"]).code, Some(0), "{file}");
+    }
 }
