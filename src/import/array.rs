@@ -5,6 +5,7 @@
 //! compression header and numbers are one. In legacy files they have no header.
 
 use std::borrow::Cow;
+use std::cmp::Ordering;
 use std::io::Read;
 
 use base64::Engine;
@@ -236,7 +237,8 @@ impl Compressor {
         let start = bytes.len();
         match self {
             Self::Zlib => {
-                let mut decoder = flate2::read::ZlibDecoder::new(packed).take(length as u64);
+                // One more than there may be, to see that there is none.
+                let mut decoder = flate2::read::ZlibDecoder::new(packed).take(length as u64 + 1);
                 decoder.read_to_end(bytes).map_err(|error| error.to_string())?;
             }
             Self::Lz4 => {
@@ -246,7 +248,11 @@ impl Compressor {
             }
         }
         let found = bytes.len() - start;
-        if found == length { Ok(()) } else { Err(format!("a block of {length} bytes has {found}")) }
+        match found.cmp(&length) {
+            Ordering::Less => Err(format!("a block of {length} bytes has {found}")),
+            Ordering::Equal => Ok(()),
+            Ordering::Greater => Err(format!("a block of {length} bytes has more")),
+        }
     }
 }
 

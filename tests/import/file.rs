@@ -30,6 +30,8 @@ pub(crate) struct Encoding {
     pub(crate) big_endian: bool,
     pub(crate) word: usize,
     pub(crate) kind: &'static str,
+    /// Bytes in each block of zlib beyond those that its header announces.
+    pub(crate) excess: usize,
 }
 
 impl Default for Encoding {
@@ -40,6 +42,7 @@ impl Default for Encoding {
             big_endian: false,
             word: 8,
             kind: "Float64",
+            excess: 0,
         }
     }
 }
@@ -104,7 +107,7 @@ impl File {
 
     /// The file.
     pub(crate) fn bytes(&self, encoding: Encoding) -> Vec<u8> {
-        let Encoding { placed, compression, big_endian, word, kind } = encoding;
+        let Encoding { placed, compression, big_endian, word, kind, .. } = encoding;
         let point_kind = if kind.starts_with("Float") { kind } else { "Float64" };
         let compressor = match compression {
             Compression::None => "",
@@ -214,6 +217,7 @@ impl Encoding {
         }
         let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
         encoder.write_all(block).unwrap();
+        encoder.write_all(&vec![0; self.excess]).unwrap();
         encoder.finish().unwrap()
     }
 }

@@ -66,7 +66,7 @@ fn every_encoding_gives_the_same_numbers() {
             for compression in [Compression::None, Compression::Zlib, Compression::Lz4] {
                 for (big_endian, word) in [(false, 4), (false, 8), (true, 4), (true, 8)] {
                     for kind in ["Float64", "Float32"] {
-                        let encoding = Encoding { placed, compression, big_endian, word, kind };
+                        let encoding = Encoding { placed, compression, big_endian, word, kind, excess: 0 };
                         std::fs::write(&path, made.bytes(encoding)).unwrap();
                         check(&path, &made, &format!("{encoding:?}"));
                     }

@@ -172,6 +172,14 @@ fn announced_sizes_are_checked_before_memory_is_taken() {
 }
 
 #[test]
+fn blocks_hold_no_more_than_they_announce() {
+    for excess in [1, 1000] {
+        let encoding = Encoding { compression: Compression::Zlib, excess, ..Encoding::default() };
+        assert_answered(&File::flat().bytes(encoding), &["`Points`", "a block of 96 bytes has more"]);
+    }
+}
+
+#[test]
 fn a_file_that_is_not_there_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let error = StructuredGrid::read(folder.path().join("none.vts")).unwrap_err();
