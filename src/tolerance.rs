@@ -142,8 +142,8 @@ pub const FRAGMENT_FRACTION: f64 = 1e-6;
 /// A fragment counts where it holds more than this part of the material.
 pub const FRAGMENT_VOLUME: f64 = 1e-4;
 
-/// Cell volumes and edge integrals of potentials outside this range are refused: their products, quotients and roundings would
-/// over- or underflow.
+/// Cell volumes, volumes of bodies, edge integrals of potentials, and the lengths and times of scenes outside this range are refused: their
+/// products, quotients and roundings would over- or underflow.
 pub const RANGE: std::ops::RangeInclusive<f64> = 1e-250..=1e250;
 
 /// A face whose area, relative to its extent to the power of the dimension less one, is below this has collapsed: fluxes through it

@@ -242,10 +242,16 @@ const WRONG: &[Wrong] = &[
     wrong(FIELD, "field = { uniform = { velocity = [1.0, 0.5, 0.0] } }", &["a list of 3", "give 2 numbers"]),
     wrong(FIELD, "field = { deformation_3d = { period = 3.0 } }", &["three dimensions", "reversed_vortex"]),
     wrong(FIELD, "field = { reversed_vortex = { period = 0.0 } }", &["period is 0", "above 0"]),
+    wrong(
+        FIELD,
+        "field = { reversed_vortex = { period = 1e-320 } }",
+        &["period is 1e-320", "from 1e-250 to 1e250"],
+    ),
     wrong(FIELD, "field = { uniform = { velocity = [0.0, 0.0] } }", &["velocity is zero", "advection.steps"]),
     wrong(END, "end_time = -1.0", &["end_time is -1", "above 0"]),
     wrong(END, "steps = 0", &["steps is 0", "at least 1"]),
-    wrong(END, "end_time = 1e300", &["steps", "shorten"]),
+    wrong(END, "end_time = 1e200", &["steps", "shorten"]),
+    wrong(END, "end_time = 1e300", &["end_time is 1e300", "from 1e-250 to 1e250"]),
 ];
 
 #[test]
@@ -278,6 +284,8 @@ fn what_is_wrong_in_added_lines_is_named_too() {
         ("[mesh]", "distortion = \"random\"", &["{ random = { amplitude = 0.2, seed = 1 } }"]),
         ("[mesh]", "lower = [0.0, 1.0]", &["empty along y", "mesh.lower is 1, mesh.upper 1"]),
         ("[velocity]", "reversal = { cosine = { period = -1.0 } }", &["period is -1", "above 0"]),
+        ("[velocity]", "reversal = { cosine = { period = 1e-310 } }", &["period is 1e-310", "from 1e-250"]),
+        ("[velocity]", "reversal = { flip = { time = 1e-310 } }", &["flip is 1e-310", "from 1e-250"]),
         (
             END,
             "[reconstruction]\nnormal = \"mof\"",

@@ -6,6 +6,7 @@ use toml::Spanned;
 use vofkit_geometry::Vector;
 
 use super::error::{SceneError, Source};
+use crate::tolerance::RANGE;
 
 /// A list of numbers with its place in the file.
 pub(super) type Numbers = Spanned<Vec<f64>>;
@@ -44,13 +45,18 @@ impl Context<'_> {
         ))
     }
 
-    /// A finite number above zero.
+    /// A finite number above zero, in the range of lengths and times.
     pub(super) fn positive(self, what: &str, value: &Spanned<f64>) -> Result<f64, SceneError> {
         let number = self.finite(what, value)?;
-        if number > 0.0 {
+        if RANGE.contains(&number) {
             return Ok(number);
         }
-        Err(self.error(value.span(), format!("{what} is {number}"), "give a number above 0"))
+        let (least, most) = (RANGE.start(), RANGE.end());
+        let help = match number > 0.0 {
+            true => format!("give a number from {least:e} to {most:e}"),
+            false => "give a number above 0".to_owned(),
+        };
+        Err(self.error(value.span(), format!("{what} is {number:?}"), help))
     }
 
     /// As many finite numbers as there are dimensions.
