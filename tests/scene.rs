@@ -262,6 +262,26 @@ fn what_is_wrong_is_named_with_its_line_and_what_would_be_right() {
 }
 
 #[test]
+fn no_more_is_shown_than_people_read() {
+    let place = Place::new();
+    let long = |character: &str| character.repeat(100_000);
+    let cases = [
+        SCENE.replace("[12, 12]", &format!("{}{}", long("["), long("]"))),
+        SCENE.replace("0.4]", &format!("0.4{}]", long(", 0.4"))),
+        SCENE.replace("end_time", &long("t")),
+        SCENE.replace("\"disc\"", &format!("\"{}\"", long("ü"))),
+        SCENE.replace("= 0.25", &format!("= 0.25\nscheme = \"{}\"", long("ß"))),
+    ];
+    for text in cases {
+        let line = text.lines().position(|line| line.len() > 1000).expect("a long line") + 1;
+        place.file("long.toml", text);
+        let done = place.vofkit(&["check", "long.toml"]);
+        let told = done.err.contains(&format!("[long.toml:{line}:"));
+        assert!(done.code == Some(1) && told && done.err.len() <= 10_000, "{}", done.err.len());
+    }
+}
+
+#[test]
 fn what_is_wrong_in_added_lines_is_named_too() {
     let added: &[(&str, &str, &[&str])] = &[
         ("[mesh]", "upper = [1.0, 0.0]", &["empty along y", "above the lower end"]),

@@ -7,6 +7,8 @@ use std::sync::Arc;
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
+use super::quote::{Quoted, short};
+
 /// A scene that cannot be run: what is wrong, where, and what would be right.
 #[derive(Clone, Debug)]
 pub struct SceneError(Box<Inner>);
@@ -22,26 +24,27 @@ struct Inner {
 /// The text of a scene and the name of its file.
 #[derive(Clone, Debug)]
 pub struct Source {
-    code: Arc<NamedSource<String>>,
+    code: Arc<Quoted>,
     /// The text as it was before values were set in it.
-    original: Option<Arc<NamedSource<String>>>,
+    original: Option<Arc<Quoted>>,
 }
 
 impl Source {
     /// The text of the file with this name.
     pub fn new(name: impl AsRef<str>, text: impl Into<String>) -> Self {
-        Self { code: Arc::new(NamedSource::new(name, text.into()).with_language("toml")), original: None }
+        let code = NamedSource::new(name, text.into()).with_language("toml");
+        Self { code: Arc::new(Quoted(code)), original: None }
     }
 
     /// The text with values set in it. Errors in lines that were there before point at the file.
     pub(super) fn changed(&self, text: String) -> Self {
-        let name = format!("{} (with --set)", self.code.name());
+        let name = format!("{} (with --set)", self.code.0.name());
         Self { original: Some(self.code.clone()), ..Self::new(name, text) }
     }
 
     /// The name of the file.
     pub(super) fn file(&self) -> &str {
-        self.original.as_ref().unwrap_or(&self.code).name()
+        self.original.as_ref().unwrap_or(&self.code).0.name()
     }
 
     /// The path of a file that the text names relative to its own folder.
@@ -51,7 +54,7 @@ impl Source {
 
     /// The whole text.
     pub fn text(&self) -> &str {
-        self.code.inner()
+        self.code.0.inner()
     }
 
     /// An error at a range of bytes of the text.
@@ -62,7 +65,7 @@ impl Source {
         help: impl Into<String>,
     ) -> SceneError {
         let place = Some(self.in_original(&place).unwrap_or_else(|| (self.clone(), place)));
-        let [message, help] = [message.into(), help.into()];
+        let [message, help] = [short(message.into()), help.into()];
         SceneError(Box::new(Inner { message, details: Vec::new(), help, place }))
     }
 }
@@ -77,7 +80,7 @@ impl Source {
         let end = place.end + text.get(place.end..)?.find('\n').unwrap_or(text.len() - place.end);
         let lines = text.get(start..end)?;
         only_place(text, lines)?;
-        let shift = only_place(original.inner(), lines)?;
+        let shift = only_place(original.0.inner(), lines)?;
         let place = place.start - start + shift..place.end - start + shift;
         Some((Self { code: original.clone(), original: None }, place))
     }
@@ -143,8 +146,8 @@ impl Diagnostic for SceneError {
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let (_, place) = self.0.place.as_ref()?;
-        let label = LabeledSpan::new(None, place.start, place.len());
+        let (source, place) = self.0.place.as_ref()?;
+        let label = LabeledSpan::new(None, place.start, source.code.shown(place));
         Some(Box::new(std::iter::once(label)))
     }
 }

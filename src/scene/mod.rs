@@ -3,7 +3,7 @@
 //! - `read`: the text of the file; `overrides`: values set on the command line;
 //! - `mesh`, `motion`, `material`, `shape`, `quantity`, `field`, `velocity`, `boundary`, `advection`, `output`: one section each, as it is
 //!   written and what it means;
-//! - `error`: what is wrong, with the place in the file; `wording`: names, and what the reader of TOML says;
+//! - `error`: what is wrong, with the place in the file, `quote`: how much of it is shown; `wording`: names, and what the reader of TOML says;
 //! - this file: the whole scene.
 //!
 //! `vofkit new disc` prints a scene with every key explained.
@@ -19,6 +19,7 @@ mod motion;
 mod output;
 mod overrides;
 mod quantity;
+mod quote;
 mod read;
 mod shape;
 mod velocity;
