@@ -64,6 +64,9 @@ impl BodyFileError {
             Self::Kind { .. } if cfg!(feature = "surface") => "in three dimensions name an .stl or .obj file",
             Self::Kind { .. } => "build vofkit with the feature `surface` to read .stl and .obj files",
             Self::Content { .. } => "write the file again, or name another one",
+            Self::Surface { error: BodyError::Range { .. }, .. } => {
+                "give the coordinates in other units; `scale` in the scene brings them back"
+            }
             Self::Surface { .. } => {
                 "repair the surface: every edge belongs to two triangles that run along it in opposite ways, and its parts do not overlap"
             }
@@ -119,11 +122,11 @@ fn polygons(bytes: &[u8]) -> Result<Pieces, String> {
             let numbers = line.split([',', ' ', '\t', ';']).filter(|word| !word.is_empty());
             let numbers: Result<Vec<f64>, _> = numbers.map(str::parse).collect();
             match numbers.as_deref() {
-                Ok(&[x, y]) => {
+                Ok(&[x, y]) if x.is_finite() && y.is_finite() => {
                     points.push([x, y]);
                     lines.push(number + 1);
                 }
-                _ => return Err(format!("line {} is \"{line}\", not two numbers: x, y", number + 1)),
+                _ => return Err(format!("line {} is \"{line}\", not two finite numbers: x, y", number + 1)),
             }
             continue;
         }

@@ -233,5 +233,11 @@ fn defects_are_named_with_their_triangles() {
     let message = Body::new(&branching).expect_err("three triangles at an edge").to_string();
     assert!(message.contains("meet at one edge") && message.contains("13"), "{message}");
     let flat = [[V3::zeros(), V3::x(), V3::y()], [V3::zeros(), V3::y(), V3::x()]];
-    assert_eq!(Body::new(&flat), Err(BodyError::Flat { triangles: 2 }));
+    assert_eq!(Body::new(&flat), Err(BodyError::Flat { triangles: 2, extent: 1.0 }));
+    let large = surface.iter().map(|piece| piece.map(|x| x * 1e100)).collect::<Triangles>();
+    assert_eq!(Body::new(&large), Err(BodyError::Range { extent: 1e100 }));
+    // One corner far away: what the rest encloses is nothing beside that.
+    let far = |x: V3| if x.min() >= 1.0 { V3::repeat(3e38) } else { x };
+    let stretched = surface.iter().map(|piece| piece.map(far)).collect::<Triangles>();
+    assert_eq!(Body::new(&stretched), Err(BodyError::Flat { triangles: 12, extent: 3e38 }));
 }

@@ -140,6 +140,14 @@ fn what_is_wrong_with_a_file_is_told_with_its_place() {
     assert!(matches!(wrong("# none\n"), BodyFileError::Surface { error: BodyError::Empty, .. }));
     let eight = wrong("0 0\n1 0\n1 1\n\n# eight\n0 0\n3 3\n3 0\n0 3\n").to_string();
     assert!(eight.contains("the segments from lines 6, 8 run through each other"), "{eight}");
-    assert!(wrong("0 0\nnan 1\n1 1\n").to_string().contains("not finite"));
+    for odd in ["nan 1", "1, -inf"] {
+        let told = wrong(&format!("# one\n0 0\n{odd}\n1 1\n")).to_string();
+        assert!(told.contains(&format!("line 3 is \"{odd}\", not two finite numbers")), "{told}");
+    }
+    for size in ["1e150", "1e-150"] {
+        let error = wrong(&format!("0 0\n{size} 0\n0 {size}\n"));
+        let told = format!("is {size} long: its volume is outside the range");
+        assert!(error.to_string().contains(&told) && error.help().contains("other units"), "{error}");
+    }
     assert!(matches!(wrong("0 0\n1 1\n2 2\n"), BodyFileError::Surface { error: BodyError::Flat { .. }, .. }));
 }

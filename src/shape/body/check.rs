@@ -5,7 +5,7 @@ use std::fmt;
 use vofkit_geometry::Vector;
 
 use super::Body;
-use crate::tolerance::SHELL_FLAT;
+use crate::tolerance::{RANGE, SHELL_FLAT};
 
 /// Defects that an error names; the others are in its list.
 const NAMED: usize = 5;
@@ -89,16 +89,24 @@ impl fmt::Display for BodyDefect {
 }
 
 /// Why there is no body in a surface.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BodyError {
     /// There are no triangles.
     #[error("the surface has no triangles")]
     Empty,
     /// The surface encloses no volume.
-    #[error("the surface of {triangles} triangles encloses nothing: it is flat")]
+    #[error("the surface of {triangles} triangles encloses nothing: it is flat, and {extent:e} long")]
     Flat {
         /// How many triangles there are.
         triangles: usize,
+        /// The longest side of the box around it.
+        extent: f64,
+    },
+    /// The surface is so large or so small that its volume is none in double precision.
+    #[error("the surface is {extent:e} long: its volume is outside the range of double precision")]
+    Range {
+        /// The longest side of the box around it.
+        extent: f64,
     },
     /// Everything that is wrong with it.
     #[error("the surface does not bound a body: {}", .0.told(&[]))]
@@ -182,6 +190,16 @@ pub(super) fn finite<const D: usize>(surface: &[[Vector<D>; D]]) -> Result<(), B
     refused(surface.iter().enumerate().filter_map(odd).collect())
 }
 
+/// Whether volumes of the size of a body are in the range of double precision.
+pub(super) fn in_range<const D: usize>(body: &Body<D>) -> Result<(), BodyError> {
+    let extent = body.extent();
+    if extent == 0.0 || RANGE.contains(&extent.powi(D as i32)) {
+        Ok(())
+    } else {
+        Err(BodyError::Range { extent })
+    }
+}
+
 /// An edge of a piece (2D: an end), which way the piece runs along it, and the piece.
 type Edge = ([u32; 2], bool, usize);
 
@@ -263,7 +281,7 @@ pub(super) fn orient<const D: usize>(
         }
     }
     if is_flat {
-        return Err(BodyError::Flat { triangles: shells.len() });
+        return Err(BodyError::Flat { triangles: shells.len(), extent: body.extent() });
     }
     for (piece, shell) in body.pieces.iter_mut().zip(shells) {
         if turned.binary_search(shell).is_ok() {

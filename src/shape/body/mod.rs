@@ -61,6 +61,7 @@ impl<const D: usize> Body<D> {
             surface.iter().map(|piece| std::array::from_fn(|i| number(&piece[i]))).collect();
         let shells = check::shells(&pieces)?;
         let mut body = Self::assembled(corners, pieces, Vec::new());
+        check::in_range(&body)?;
         let touch = SHELL_TOUCH * body.extent();
         crossing::apart(&body, touch)?;
         check::orient(&mut body, &shells, touch)?;
