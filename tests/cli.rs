@@ -338,6 +338,12 @@ fn pictures_that_cannot_be_drawn_are_explained() {
     let place = Place::new();
     place.run("disc_diagonal", "o", &["output.interface=[\"vtk\"]", "output.fields=false"]);
     fs::create_dir(place.path("empty")).unwrap();
+    place.run(
+        "disc_diagonal",
+        "less",
+        &["output.interface=[\"vtk\"]", "output.fields=true", "output.times=[0, 5]"],
+    );
+    fs::remove_file(place.path("less/fields_0001.vts")).unwrap();
     let before = place.listed(".");
     let (still, fields) = (scene("static_disc"), scene("fields/square_wave_donor"));
     let [still, fields] = [&still, &fields].map(|path| path.to_str().unwrap());
@@ -345,6 +351,7 @@ fn pictures_that_cannot_be_drawn_are_explained() {
         (&["absent"], 1, &["absent"]),
         (&["empty"], 1, &["no time series (.pvd)", "fields = true"]),
         (&["o"], 1, &["no fields at time", "fields = true"]),
+        (&["less"], 1, &["disc_diagonal.pvd", "it names less/fields_0001.vts", "put it back, or run"]),
         (&["o", "--time", "77"], 1, &["nothing of time 77", "go from 0 to"]),
         (&["o", "--set", "a=1"], 1, &["--set", "holds results"]),
         (&[&small(), "--time", "77"], 1, &["no time 77", "from 0 to"]),

@@ -1,10 +1,11 @@
 //! Which files belong to which time (`.pvd`).
 
-use crate::whole_file;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::error::ImportError;
+use crate::tolerance::RANGE;
+use crate::whole_file;
 
 const REWRITE: &str = "write the file anew with its own program, as a ParaView collection (.pvd)";
 
@@ -19,10 +20,23 @@ pub struct TimedFile {
     pub path: PathBuf,
 }
 
+impl TimedFile {
+    /// Whether the file is there that a series names.
+    ///
+    /// # Errors
+    /// It is not.
+    pub(crate) fn check(&self, series: &Path, help: &'static str) -> Result<(), ImportError> {
+        fs::metadata(&self.path).map(|_| ()).map_err(|error| {
+            let problem = format!("of the time {:?} it names {}: {error}", self.time, self.path.display());
+            ImportError::Grid { path: series.to_owned(), problem, help }
+        })
+    }
+}
+
 /// Reads a time series: its files in the order of their times.
 ///
 /// # Errors
-/// A file that cannot be read or is no collection, is empty, or has an entry without a file or a finite time.
+/// A file that cannot be read or is no collection, is empty, or has an entry without a file or a time in range.
 pub fn read_series(path: impl AsRef<Path>) -> Result<Vec<TimedFile>, ImportError> {
     let path = path.as_ref();
     let mut files = entries(path)?;
@@ -64,12 +78,8 @@ pub fn velocity_files(path: impl AsRef<Path>) -> Result<Vec<TimedFile>, ImportEr
             return Err(wrong(problem, "sort its entries by their times, and name one file for each time"));
         }
     }
-    for file in &files {
-        fs::metadata(&file.path).map_err(|error| {
-            let problem = format!("of the time {:?} it names {}: {error}", file.time, file.path.display());
-            wrong(problem, "name files that are there; their paths are relative to the folder of the .pvd")
-        })?;
-    }
+    let help = "name files that are there; their paths are relative to the folder of the .pvd";
+    files.iter().try_for_each(|file| file.check(path, help))?;
     Ok(files)
 }
 
@@ -91,6 +101,12 @@ fn entries(path: &Path) -> Result<Vec<TimedFile>, ImportError> {
         let time = text.trim().parse().ok().filter(|time: &f64| time.is_finite());
         let time =
             time.ok_or_else(|| wrong(format!("entry {entry} has the time \"{text}\", which is no number")))?;
+        if time.abs() > *RANGE.end() {
+            let most = RANGE.end();
+            return Err(wrong(format!(
+                "entry {entry} has the time {text}, which is not between -{most:e} and {most:e}"
+            )));
+        }
         let file = node.attribute("file").filter(|file| !file.is_empty());
         let file = file.ok_or_else(|| wrong(format!("entry {entry} names no file")))?;
         let group = node.attribute("group").unwrap_or_default().to_owned();

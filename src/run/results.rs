@@ -46,11 +46,13 @@ impl Stored {
         });
         let file = |group: &str, setting: &str| {
             let found = |file: &&TimedFile| file.time == nearest && file.group == group;
-            files.iter().find(found).map(|file| file.path.clone()).ok_or_else(|| {
+            let file = files.iter().find(found).ok_or_else(|| {
                 let name = series.display();
                 let problem = format!("has no {group} at time {nearest}: there are none in {name}");
                 refused(folder, problem, format!("run the scene again with {setting} in its [output]"))
-            })
+            })?;
+            file.check(&series, "put it back, or run the scene again")?;
+            Ok::<_, RunError>(file.path.clone())
         };
         let interface = file("interface", "interface = [\"vtk\"]")?;
         let grid = StructuredGrid::read(file("fields", "fields = true")?)?;

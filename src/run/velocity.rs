@@ -60,7 +60,9 @@ fn help(error: &SampledError) -> &'static str {
             "set divergence = \"project\" in velocity.field.file, which changes the fluxes as little as it takes to keep volumes, or \
              \"dilate\", which keeps the fluxes and lets volumes change"
         }
-        SampledError::Range { .. } => "choose other units of length or time",
+        SampledError::Range { .. } | SampledError::Speed { .. } | SampledError::TimeRange { .. } => {
+            "choose other units of length or time"
+        }
         SampledError::NoConvergence { .. } => {
             "set divergence = \"dilate\", or give a mesh without extremely flat cells"
         }

@@ -33,13 +33,19 @@ pub enum SampledError {
     /// No velocities.
     #[error("there are no velocities at any time")]
     Empty,
-    /// A time that does not follow the one before, or is not finite.
+    /// A time that does not follow the one before.
     #[error("the time {time} does not follow {before}")]
     Time {
         /// The time.
         time: f64,
         /// The one before.
         before: f64,
+    },
+    /// A time that is not finite, or whose distance to others is not.
+    #[error("the time {time:e} is outside the range of double precision")]
+    TimeRange {
+        /// The time.
+        time: f64,
     },
     /// Velocities that are not those of the nodes.
     #[error("there are {found} velocities, the mesh has {wanted} nodes")]
@@ -58,6 +64,14 @@ pub enum SampledError {
         frame: usize,
         /// The largest flux through a face, without sign; NaN if any is.
         largest: f64,
+    },
+    /// Velocities whose squares cannot be counted in double precision.
+    #[error("the velocities of up to {fastest:e} have squares outside the range of double precision")]
+    Speed {
+        /// Which velocities.
+        frame: usize,
+        /// The largest component of one, without sign.
+        fastest: f64,
     },
     /// Fluxes that do not cancel.
     #[error(
@@ -92,9 +106,10 @@ impl SampledError {
         match self {
             Self::Count { frame, .. }
             | Self::Range { frame, .. }
+            | Self::Speed { frame, .. }
             | Self::Divergent { frame, .. }
             | Self::NoConvergence { frame, .. } => Some(*frame),
-            Self::Empty | Self::Time { .. } => None,
+            Self::Empty | Self::Time { .. } | Self::TimeRange { .. } => None,
         }
     }
 }
@@ -145,7 +160,10 @@ impl<const D: usize> Sampled<D> {
         let mut frames: Vec<Frame<D>> = Vec::with_capacity(samples.len());
         for (frame, (time, velocities)) in samples.into_iter().enumerate() {
             let before = frames.last().map_or(f64::NEG_INFINITY, |last| last.time);
-            if !(time.is_finite() && time > before) {
+            if !(time.abs() <= *RANGE.end()) {
+                return Err(SampledError::TimeRange { time });
+            }
+            if !(time > before) {
                 return Err(SampledError::Time { time, before });
             }
             let (found, wanted) = (velocities.len(), mesh.nodes().len());
@@ -156,6 +174,10 @@ impl<const D: usize> Sampled<D> {
             let largest = fluxes.largest();
             if largest != 0.0 && !RANGE.contains(&largest) {
                 return Err(SampledError::Range { frame, largest });
+            }
+            let fastest = velocities.iter().map(|u| u.amax()).fold(0.0, f64::max);
+            if fastest * fastest > *RANGE.end() {
+                return Err(SampledError::Speed { frame, fastest });
             }
             close_walls(mesh, &velocities, &mut fluxes);
             match divergence {

@@ -88,6 +88,19 @@ fn a_divergence_is_an_error_unless_asked_for() {
     assert!(relative > 1e-6 && relative < 0.1, "{relative}");
 }
 
+#[test]
+fn velocities_and_times_out_of_range_are_refused() {
+    let mesh: Mesh2 = unit_mesh(4, random(0.2, 1));
+    let uniform = |speed: f64| sampled(&mesh, &Field::Uniform { velocity: [speed, 0.0, 0.0].into() });
+    let error = |samples| Sampled::new(&mesh, samples, Divergence::default()).err();
+    assert_eq!(error(vec![(0.0, uniform(1e120))]), None);
+    assert_eq!(error(vec![(0.0, uniform(1e200))]), Some(SampledError::Speed { frame: 0, fastest: 1e200 }));
+    for time in [-1e308, f64::NAN, f64::INFINITY] {
+        let found = error(vec![(time, uniform(1.0)), (1e308, uniform(1.0))]);
+        assert!(matches!(found, Some(SampledError::TimeRange { .. })), "{found:?}");
+    }
+}
+
 /// The vortex, turned back by a cosine: its error as a formula and from a series of files.
 fn errors<C: Cell<2>>(mesh: &Mesh<C, 2>, scheme: Scheme, period: f64) -> [f64; 2] {
     let folder = tempfile::tempdir().unwrap();

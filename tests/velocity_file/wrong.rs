@@ -114,6 +114,10 @@ fn what_is_wrong_with_a_series_is_named() {
         (entry("soon", "a.vts"), vec!["entry 0 has the time \"soon\""]),
         (entry("0", ""), vec!["entry 0 names no file"]),
         (
+            entry("-1e308", "a.vts") + &entry("1e308", "b.vts"),
+            vec!["entry 0 has the time -1e308", "between -1e250 and 1e250"],
+        ),
+        (
             entry("1", "a.vts") + &entry("0.5", "b.vts"),
             vec!["b.vts has the time 0.5", "follow 1.0 of", "a.vts", "sort"],
         ),
@@ -141,6 +145,7 @@ fn what_is_wrong_with_a_series_is_named() {
 fn scenes_point_at_what_is_wrong() {
     let place = Place::new();
     place.file("flow.vts", good());
+    place.file("fast.vts", vts("0 2 0 2 0 0", POINTS, &"1e200 0 0 ".repeat(9)));
     let scene = |velocity: &str| {
         format!(
             "[mesh]\ncells = [2, 2]\nupper = [2.0, 2.0]\n[[material]]\nname = \"disc\"\n\
@@ -155,6 +160,10 @@ fn scenes_point_at_what_is_wrong() {
         (
             "field = { file = { path = \"flow.vts\" } }",
             &["flow.vts", "not free of divergence", "cell [", "\"project\"", "\"dilate\""],
+        ),
+        (
+            "field = { file = { path = \"fast.vts\" } }",
+            &["fast.vts", "velocities of up to 1e200", "outside the range", "other units"],
         ),
         (
             "field = { file = { path = \"flow.vts\", divergence = \"ignore\" } }",
