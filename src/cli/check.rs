@@ -48,7 +48,7 @@ pub fn report<C: Cell<D>, const D: usize>(scene: &Resolved<D>) -> Result<String,
     rows.extend(contents(scene, &mesh, &fractions));
     rows.push(("files", output::names(scene, &schedule).join(" ")));
     rows.push(("not written", not_written(scene)));
-    for note in crate::run::notes(scene, &mesh, &plan, &schedule) {
+    for note in crate::run::notes(scene, &setup, &schedule) {
         rows.push(("note", note));
     }
     Ok(with_comments(&scene.to_toml(&setup.boundary, &times), &rows))

@@ -86,6 +86,11 @@ impl NodalVelocity {
         Ok(Self { grid, values, at_nodes })
     }
 
+    /// What a user might not expect of what was read.
+    pub fn notes(&self) -> Vec<String> {
+        self.grid.notes()
+    }
+
     /// The velocities at the nodes of a mesh, which must be that of the file. Those of cells are averaged over the cells around each node,
     /// weighted with their volumes.
     ///

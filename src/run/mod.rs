@@ -360,7 +360,7 @@ impl<'a, C: Draw<D>, const D: usize> Run<'a, C, D> {
         summary.quantities = self.quantities.summaries(mesh, &fractions);
         summary.fields = self.fields.summaries(mesh, &self.exact_fields(plan.steps), self.setup.is_closed());
         summary.facet_gap_mean = facet_gap_mean(mesh, &facets);
-        summary.notes = notes(scene, mesh, &plan, schedule);
+        summary.notes = notes(scene, &self.setup, schedule);
         summary.skipped.times_after_end.clone_from(&schedule.after_end);
         summary.obj_scale = output.obj_scale;
         summary.threads = self.threads;

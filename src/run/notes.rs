@@ -3,7 +3,7 @@
 use vofkit_geometry::Cell;
 
 use super::output::Schedule;
-use super::plan::Plan;
+use super::prepare::Setup;
 use crate::mesh::Mesh;
 use crate::scene::{Resolved, ReversalSetup, Still};
 use crate::shape::{Body, Shape};
@@ -26,14 +26,15 @@ pub(crate) fn of_start<C: Cell<D>, const D: usize>(scene: &Still<D>, mesh: &Mesh
     notes
 }
 
-/// What a run of the scene does not do although the scene says so, and what is odd about its mesh.
+/// What a run of the scene does not do although the scene says so, and what is odd about its mesh and its velocity.
 pub(crate) fn notes<C: Cell<D>, const D: usize>(
     scene: &Resolved<D>,
-    mesh: &Mesh<C, D>,
-    plan: &Plan,
+    setup: &Setup<'_, C, D>,
     schedule: &Schedule,
 ) -> Vec<String> {
-    let mut notes = of_start(scene, mesh);
+    let plan = &setup.plan;
+    let mut notes = of_start(scene, setup.mover.mesh());
+    notes.extend(setup.notes.iter().cloned());
     for time in &schedule.after_end {
         notes.push(format!("the output time {time} is after the end and will not be reached"));
     }

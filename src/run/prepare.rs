@@ -48,6 +48,8 @@ pub struct Setup<'a, C, const D: usize> {
     pub divergence: f64,
     /// The time steps.
     pub plan: Plan,
+    /// What one might not expect of the files of the velocity.
+    pub notes: Vec<String>,
 }
 
 /// The mesh of a scene.
@@ -182,14 +184,14 @@ pub fn setup<'a, C: Cell<D>, const D: usize>(
     if let Some(motion) = &scene.mesh.motion {
         return moving(scene, mesh, motion);
     }
-    let flow = velocity::flow(scene, mesh)?;
+    let (flow, notes) = velocity::flow(scene, mesh)?;
     let plan = Plan::new(scene, flow.courant_rate(mesh))?;
     let flow = flow.with_reversal(plan.reversal(scene.reversal));
     let divergence = flow.largest_divergence(mesh, plan.dt());
     let transport = Transport::with_flow(mesh, flow, settings(scene, &plan))
         .map_err(|error| setup_error(scene, &error))?;
     let boundary = *transport.boundary();
-    Ok(Setup { mover: Mover::Flow(Box::new(transport)), boundary, divergence, plan })
+    Ok(Setup { mover: Mover::Flow(Box::new(transport)), boundary, divergence, plan, notes })
 }
 
 /// The same for a mesh that moves.
@@ -215,7 +217,7 @@ fn moving<'a, C: Cell<D>, const D: usize>(
         )
     })?;
     let mover = Mover::Remesh { remesh: Box::new(remesh), at: mesh.clone(), path };
-    Ok(Setup { mover, boundary, divergence: mismatch, plan })
+    Ok(Setup { mover, boundary, divergence: mismatch, plan, notes: Vec::new() })
 }
 
 impl<C: Cell<D>, const D: usize> Setup<'_, C, D> {

@@ -11,47 +11,53 @@ use crate::velocity::{Divergence, Flow, Reversal, Sampled, SampledError, Velocit
 /// Velocities at joined ends may differ by this much, relative to the largest: rounding of the fields.
 const PERIODIC_DIFFERENCE: f64 = 1e-9;
 
-/// The flow of a scene at full amplitude.
+/// The flow of a scene at full amplitude, and what one might not expect of the files that it comes from.
 ///
 /// # Errors
 /// Files that are no velocity on the mesh, a velocity that is not free of divergence or out of range, and joined ends at which it differs.
 pub(super) fn flow<C: Cell<D>, const D: usize>(
     scene: &Resolved<D>,
     mesh: &Mesh<C, D>,
-) -> Result<Flow<D>, SceneError> {
-    let flow = match &scene.field {
+) -> Result<(Flow<D>, Vec<String>), SceneError> {
+    let (flow, notes) = match &scene.field {
         VelocitySetup::Formula(field) => {
-            Flow::new(mesh, Velocity { field: *field, reversal: Reversal::None })
-                .map_err(|range| super::prepare::setup_error(scene, &SetupError::Fluxes(range)))?
+            let flow = Flow::new(mesh, Velocity { field: *field, reversal: Reversal::None })
+                .map_err(|range| super::prepare::setup_error(scene, &SetupError::Fluxes(range)))?;
+            (flow, Vec::new())
         }
         VelocitySetup::Files { files, divergence } => {
-            Flow::sampled(sampled(scene, mesh, files, *divergence)?, Reversal::None)
+            let (samples, notes) = sampled(scene, mesh, files, *divergence)?;
+            (Flow::sampled(samples, Reversal::None), notes)
         }
     };
     check_periodic(scene, mesh, &flow)?;
-    Ok(flow)
+    Ok((flow, notes))
 }
 
-/// The velocity of files.
+/// The velocity of files, and what one might not expect of them.
 fn sampled<C: Cell<D>, const D: usize>(
     scene: &Resolved<D>,
     mesh: &Mesh<C, D>,
     files: &[TimedFile],
     divergence: Divergence,
-) -> Result<Sampled<D>, SceneError> {
+) -> Result<(Sampled<D>, Vec<String>), SceneError> {
+    let mut notes = Vec::new();
     let read = |file: &TimedFile| -> Result<(f64, Vec<Vector<D>>), ImportError> {
-        Ok((file.time, NodalVelocity::read(&file.path)?.on(mesh)?))
+        let velocity = NodalVelocity::read(&file.path)?;
+        notes.extend(velocity.notes());
+        Ok((file.time, velocity.on(mesh)?))
     };
     let samples = files
         .iter()
         .map(read)
         .collect::<Result<_, _>>()
         .map_err(|error| scene.error(Part::Field, error.to_string(), error.help()))?;
-    Sampled::new(mesh, samples, divergence).map_err(|error| {
+    let samples = Sampled::new(mesh, samples, divergence).map_err(|error| {
         let file = error.frame().and_then(|frame| files.get(frame));
         let of_file = file.map_or_else(String::new, |file| format!("{}: ", file.path.display()));
         scene.error(Part::Field, format!("{of_file}{error}"), help(&error))
-    })
+    })?;
+    Ok((samples, notes))
 }
 
 fn help(error: &SampledError) -> &'static str {

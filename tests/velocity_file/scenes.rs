@@ -15,6 +15,7 @@ use vofkit::velocity::Field;
 
 use crate::cli_support::{Place, assert_files, assert_sound, number};
 use crate::common::{Mesh2, Mesh3, unit_mesh};
+use crate::wrong::vts;
 use crate::{sampled, write};
 
 const WAVE: Distortion = Distortion::Wave { amplitude: 0.3 };
@@ -307,4 +308,18 @@ fn the_mesh_must_be_that_of_the_file() {
             assert!(done.err.contains(words), "{cells}: no {words:?} in\n{}", done.err);
         }
     }
+}
+
+#[test]
+fn files_with_left_handed_nodes_are_noted() {
+    let place = Place::new();
+    let points = "0 2 0 1 2 0 2 2 0 0 1 0 1 1 0 2 1 0 0 0 0 1 0 0 2 0 0";
+    place.file("flow.vts", vts("0 2 0 2 0 0", points, &"1 0 0 ".repeat(9)));
+    let text = scene("cells = [2, 2]\nupper = [2.0, 2.0]", "field = { file = { path = \"flow.vts\" } }", "");
+    let text = text.replace("distortion = { wave = { amplitude = 0.3 } }", "");
+    let notes = run(&place, &text, "out", &[])["notes"].to_string();
+    let told = "the order of nodes in flow.vts is left-handed";
+    assert!(notes.contains(told), "{notes}");
+    let checked = place.vofkit(&["check", "out.toml"]);
+    assert!(checked.out.contains(told), "{}", checked.out);
 }
