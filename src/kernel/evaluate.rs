@@ -100,8 +100,11 @@ pub(super) fn evaluate(task: Task, input: &Input) -> Result<Values, RowError> {
             // As a truncation with this constant sees it.
             let cut = Cut::at_origin(&cell, &input.normal, found.local_constant);
             let mut values = cut.values(TruncationMethod::Exact);
+            // The plane may have been moved by the rounding of its constant.
+            let [volume, truncated] = [0, 1].map(|quantity| values.numbers[quantity].unwrap_or(f64::NAN));
+            let residual = truncated / volume - fraction;
             let numbers =
-                [found.constant, found.local_constant, found.residual, found.evaluations as f64].map(Some);
+                [found.constant, found.local_constant, residual, found.evaluations as f64].map(Some);
             values.numbers[QUANTITIES.len() - numbers.len()..].copy_from_slice(&numbers);
             values.closed_form = found.closed_form;
             values

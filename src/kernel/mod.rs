@@ -23,8 +23,8 @@
 //!   finite, but means nothing;
 //! - the `moment` is the integral of position, in the coordinates of the table, over the part of the cell below the
 //!   plane: moment over truncated volume is the centroid of that part;
-//! - for positions, volume, area and moment are those of the plane at `local_constant`, and `residual` is that of
-//!   [`PlaneConstant`](vofkit_geometry::PlaneConstant).
+//! - for positions, volume, area and moment are those of the plane at `local_constant`, and `residual` is how far `truncated_volume`,
+//!   relative to `cell_volume`, is from `f`.
 //!
 //! Where the input has columns with the names of computed ones, they are references: the account compares with them,
 //! by the column `category` if there is one. An empty field or `nan` is no reference.

@@ -119,6 +119,21 @@ fn with_fractions() -> Table {
     table
 }
 
+/// The constant of a plane whose normal is as short as can be is none of those in between.
+#[test]
+fn residuals_are_those_of_the_planes_that_are_printed() {
+    let place = Place::new();
+    let names = (0..8).map(|i| format!("x{i},y{i},z{i},")).collect::<String>();
+    let cube = "0,0,0,1,0,0,1,1,0,0,1,0,0,0,1,1,0,1,1,1,1,0,1,1";
+    place.file("in.csv", format!("{names}nx,ny,nz,f\n{cube},5e-324,0,0,0.25\n{cube},1,0,0,0.25\n"));
+    kernel(&place, &["position", "in.csv", "--out", "out.csv", "--quiet"]);
+    let planes = Table::read(&place, "out.csv");
+    let wanted = [-0.25, 0.0];
+    let errors =
+        planes.numbers("residual").into_iter().zip(wanted).map(|(found, wanted)| (found - wanted).abs());
+    assert!(errors.fold(0.0, f64::max) <= 1e-15, "{:?}", planes.column("residual"));
+}
+
 #[test]
 fn positions_give_their_fractions_back() {
     let place = Place::new();
@@ -131,6 +146,11 @@ fn positions_give_their_fractions_back() {
         assert!(planes.numbers("residual").iter().all(|residual| residual.abs() <= 1e-14));
         assert!(planes.column("evaluations").iter().all(|text| text.parse::<u32>().is_ok()));
         let (volume, fraction) = (planes.numbers("cell_volume"), planes.numbers("f"));
+        let (residual, truncated) = (planes.numbers("residual"), planes.numbers("truncated_volume"));
+        for row in 0..volume.len() {
+            let of_plane = truncated[row] / volume[row] - fraction[row];
+            assert!((residual[row] - of_plane).abs() <= 1e-16, "{method:?}, line {}", row + 2);
+        }
         let (area, constant) = (planes.numbers("section_area"), planes.numbers("d"));
         let round_trip = |unused: &[&str], rounded: bool| {
             place.file("again.csv", Table::read(&place, "planes.csv").without(unused).text());
