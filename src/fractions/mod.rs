@@ -40,8 +40,7 @@ use tolerance::FULL;
 /// result is the same for any number of threads. The shapes are taken to be valid: see [`Shape::check`].
 pub fn volume_fractions<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, shapes: &[Shape<D>]) -> Vec<Vec<f64>> {
     let mut left = vec![1.0_f64; mesh.grid().len()];
-    let of_material = |material: usize| {
-        let region = Region::new(&shapes[material], &shapes[..material]);
+    let of_material = |region: Region<D>| {
         let found = parallel::map(left.len(), |cell| {
             if left[cell] <= 0.0 {
                 return 0.0;
@@ -51,7 +50,20 @@ pub fn volume_fractions<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, shapes: &
         left.iter_mut().zip(&found).for_each(|(left, fraction)| *left -= fraction);
         found
     };
-    (0..shapes.len()).map(of_material).collect()
+    regions(shapes).map(of_material).collect()
+}
+
+/// What each shape has without the earlier ones. Those whose box lies apart from its own take nothing away.
+fn regions<const D: usize>(shapes: &[Shape<D>]) -> impl Iterator<Item = Region<D>> {
+    let boxes: Vec<_> = shapes.iter().map(Shape::bounding_box).collect();
+    let may_meet = |a: &Option<[Vector<D>; 2]>, b: &Option<[Vector<D>; 2]>| match (a, b) {
+        (Some([a, b]), Some([c, d])) => (0..D).all(|k| !(b[k] < c[k] || d[k] < a[k])),
+        _ => true,
+    };
+    shapes.iter().enumerate().map(move |(own, shape)| {
+        let earlier = (0..own).filter(|&other| may_meet(&boxes[own], &boxes[other]));
+        Region::new(shape, earlier.map(|other| &shapes[other]))
+    })
 }
 
 /// Volume fractions and centroids of materials.
@@ -80,8 +92,7 @@ pub fn material_moments<C: Cell<D>, const D: usize>(
 ) -> MaterialMoments<D> {
     let mut left = vec![1.0_f64; mesh.grid().len()];
     let mut all = MaterialMoments::default();
-    for (material, shape) in shapes.iter().enumerate() {
-        let region = Region::new(shape, &shapes[..material]);
+    for region in regions(shapes) {
         let found = parallel::map(left.len(), |cell| {
             if left[cell] <= 0.0 {
                 return (0.0, Vector::repeat(f64::NAN));
@@ -104,7 +115,7 @@ fn settled(fraction: f64, left: f64) -> f64 {
 
 /// The volume of the part of a shape inside the mesh.
 pub fn shape_volume<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, shape: &Shape<D>) -> f64 {
-    let region = Region::new(shape, &[]);
+    let region = Region::new(shape, []);
     let volumes = parallel::map(mesh.grid().len(), |cell| mesh_brick(mesh, cell).integral::<C, f64>(&region));
     parallel::sum(volumes.len(), |cell| volumes[cell])
 }
@@ -112,7 +123,7 @@ pub fn shape_volume<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, shape: &Shape
 /// The volume fraction of a shape in one cell.
 pub fn cell_fraction<C: Cell<D>, const D: usize>(cell: &C, shape: &Shape<D>) -> f64 {
     let anchor = cell.nodes()[0];
-    Anchored { brick: Brick::of_cell(cell, &anchor), anchor }.fraction::<C>(&Region::new(shape, &[]))
+    Anchored { brick: Brick::of_cell(cell, &anchor), anchor }.fraction::<C>(&Region::new(shape, []))
 }
 
 /// The volume in which a half-space and a shape differ inside one cell, by lines at fixed places: to about a thousandth of it.
@@ -127,7 +138,7 @@ pub fn symmetric_difference<C: Cell<D>, const D: usize>(
     let plane = Shape::HalfSpace(*half_space);
     let [one, other] = [[&plane, shape], [shape, &plane]]
         .map(|[all, without]| Shape::Difference(Box::new(all.clone()), vec![without.clone()]));
-    let region = Region::new(&Shape::Union(vec![one, other]), &[]);
+    let region = Region::new(&Shape::Union(vec![one, other]), []);
     let anchor = cell.nodes()[0];
     let brick = Brick::of_cell(cell, &anchor);
     let sides = vec![None; region.surfaces.len()];
@@ -156,31 +167,34 @@ fn mesh_brick<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, cell: usize) -> Anc
 }
 
 impl<const D: usize> Anchored<D> {
-    /// Whether the cell is all inside or all outside a region, as far as one bound per surface can tell.
-    fn pure(&self, region: &Region<D>) -> Option<bool> {
+    /// The part of a region next to the cell, or whether the cell is all inside or all outside, as far as one bound per surface can tell.
+    fn near(&self, region: &Region<D>) -> Result<Region<D>, bool> {
         let (centre, radius) = self.brick.ball();
-        region.decide(&|i| region.surfaces[i].side(&self.anchor, &centre, radius))
+        region.near(&|i| region.surfaces[i].side(&self.anchor, &centre, radius))
     }
 
     /// The measure of the part of the cell inside a region.
     fn integral<C: Cell<D>, M: Measure<D>>(&self, region: &Region<D>) -> M {
-        match self.pure(region) {
-            Some(false) => M::default(),
-            Some(true) => M::of_brick(&self.brick),
-            None => {
-                let sides = vec![None; region.surfaces.len()];
-                match region.has_bodies() {
-                    true => Solid::<C, D>::new(region, self.anchor).integral(&self.brick, &sides, 0),
-                    false => Cut::new(region, self.anchor).integral(&self.brick, &sides, 0),
-                }
-            }
+        match self.near(region) {
+            Err(false) => M::default(),
+            Err(true) => M::of_brick(&self.brick),
+            Ok(near) => self.cut::<C, M>(&near),
+        }
+    }
+
+    /// The same for the part of the region next to the cell.
+    fn cut<C: Cell<D>, M: Measure<D>>(&self, near: &Region<D>) -> M {
+        let sides = vec![None; near.surfaces.len()];
+        match near.has_bodies() {
+            true => Solid::<C, D>::new(near, self.anchor).integral(&self.brick, &sides, 0),
+            false => Cut::new(near, self.anchor).integral(&self.brick, &sides, 0),
         }
     }
 
     fn fraction<C: Cell<D>>(&self, region: &Region<D>) -> f64 {
-        match self.pure(region) {
-            Some(inside) => f64::from(u8::from(inside)),
-            None => self.fraction_of(self.integral::<C, f64>(region)),
+        match self.near(region) {
+            Err(inside) => f64::from(u8::from(inside)),
+            Ok(near) => self.fraction_of(self.cut::<C, f64>(&near)),
         }
     }
 

@@ -94,18 +94,27 @@ pub(super) struct Region<const D: usize> {
 
 impl<const D: usize> Region<D> {
     /// The points of `shape` that belong to none of the `earlier` shapes.
-    pub(super) fn new(shape: &Shape<D>, earlier: &[Shape<D>]) -> Self {
+    pub(super) fn new<'a>(shape: &Shape<D>, earlier: impl IntoIterator<Item = &'a Shape<D>>) -> Self {
         let mut surfaces = Vec::new();
-        let mut logic = build(&mut surfaces, shape);
-        if !earlier.is_empty() {
-            logic = without(&mut surfaces, logic, earlier);
-        }
+        let logic = build(&mut surfaces, shape);
+        let mut earlier = earlier.into_iter().peekable();
+        let logic = match earlier.peek() {
+            Some(_) => without(&mut surfaces, logic, earlier),
+            None => logic,
+        };
         Self { surfaces, logic }
     }
 
     /// Whether all is inside or all outside, given the sides that are known of the surfaces.
     pub(super) fn decide(&self, side: &impl Fn(usize) -> Option<bool>) -> Option<bool> {
         self.logic.decide(side)
+    }
+
+    /// What is left of the region where the sides of some surfaces are known, or whether all is inside or all outside.
+    pub(super) fn near(&self, side: &impl Fn(usize) -> Option<bool>) -> Result<Self, bool> {
+        let mut open = Vec::new();
+        let logic = self.logic.near(side, &mut open)?;
+        Ok(Self { surfaces: open.into_iter().map(|surface| self.surfaces[surface].clone()).collect(), logic })
     }
 
     /// Whether it has bodies given by their surfaces.
@@ -142,6 +151,38 @@ impl Logic {
             Self::Any(parts) => decide_by(parts, true),
             Self::All(parts) => decide_by(parts, false),
             Self::Not(part) => part.decide(side).map(|answer| !answer),
+        }
+    }
+
+    /// What is left where sides are known, or the answer; `open` are the surfaces that are left, by their new numbers.
+    fn near(&self, side: &impl Fn(usize) -> Option<bool>, open: &mut Vec<usize>) -> Result<Self, bool> {
+        // As in `decide`; parts with the other answer are left out.
+        let mut undecided = |parts: &[Self], deciding: bool| {
+            let mut left = Vec::new();
+            for part in parts {
+                match part.near(side, open) {
+                    Ok(part) => left.push(part),
+                    Err(answer) if answer == deciding => return Err(deciding),
+                    Err(_) => {}
+                }
+            }
+            if left.is_empty() { Err(!deciding) } else { Ok(left) }
+        };
+        match self {
+            Self::Inside(surface) => match side(*surface) {
+                Some(answer) => Err(answer),
+                None => {
+                    let known = open.iter().position(|other| other == surface);
+                    open.extend(known.is_none().then_some(*surface));
+                    Ok(Self::Inside(known.unwrap_or(open.len() - 1)))
+                }
+            },
+            Self::Any(parts) => undecided(parts, true).map(Self::Any),
+            Self::All(parts) => undecided(parts, false).map(Self::All),
+            Self::Not(part) => match part.near(side, open) {
+                Ok(part) => Ok(Self::Not(Box::new(part))),
+                Err(answer) => Err(!answer),
+            },
         }
     }
 
@@ -220,8 +261,12 @@ fn build<const D: usize>(surfaces: &mut Vec<Surface<D>>, shape: &Shape<D>) -> Lo
     }
 }
 
-fn without<const D: usize>(surfaces: &mut Vec<Surface<D>>, logic: Logic, others: &[Shape<D>]) -> Logic {
-    let others = others.iter().map(|shape| build(surfaces, shape)).collect();
+fn without<'a, const D: usize>(
+    surfaces: &mut Vec<Surface<D>>,
+    logic: Logic,
+    others: impl IntoIterator<Item = &'a Shape<D>>,
+) -> Logic {
+    let others = others.into_iter().map(|shape| build(surfaces, shape)).collect();
     Logic::All(vec![logic, Logic::Not(Box::new(Logic::Any(others)))])
 }
 

@@ -360,6 +360,37 @@ fn bounding_boxes_hold_and_touch() {
     );
 }
 
+/// Points on a grid that looks like none.
+fn scattered(count: usize) -> impl Iterator<Item = V2> {
+    (1..=count).map(|i| V2::new((0.618_034 * i as f64).fract(), (0.754_878 * i as f64).fract()))
+}
+
+#[test]
+fn earlier_shapes_take_away_what_they_cover() {
+    let disc = |(i, centre): (usize, V2)| Shape::Sphere { centre, radius: 0.02 + 0.1 * (i % 7) as f64 / 7.0 };
+    let shapes: Vec<Shape<2>> = scattered(60).enumerate().map(disc).collect();
+    let mesh = unit_mesh::<Quad, 2>(17, &Distortion::Wave { amplitude: 0.3 });
+    for (own, found) in volume_fractions(&mesh, &shapes).iter().enumerate().skip(1) {
+        let alone = Shape::Difference(Box::new(shapes[own].clone()), shapes[..own].to_vec());
+        let alone = volume_fractions(&mesh, &[alone]).remove(0);
+        let error = found.iter().zip(&alone).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(error <= 1e-9, "{own}: {error:e}");
+    }
+}
+
+/// Without the boxes around them, this takes minutes.
+#[test]
+fn thousands_of_materials_take_seconds() {
+    let disc = |centre: V2| Shape::Sphere { centre, radius: 0.005 };
+    let shapes: Vec<Shape<2>> = scattered(6000).map(disc).collect();
+    let mesh = unit_mesh::<Quad, 2>(16, &Distortion::None);
+    let start = Instant::now();
+    assert_eq!(volume_fractions(&mesh, &shapes).len(), 6000);
+    let seconds = start.elapsed().as_secs_f64();
+    println!("{seconds} s");
+    assert!(seconds <= 20.0, "{seconds} s");
+}
+
 #[test]
 fn time_of_a_sphere() {
     for distortion in [Distortion::None, Distortion::Random { amplitude: 0.2, seed: 1 }] {

@@ -152,5 +152,5 @@ fn large_surfaces_are_checked_quickly() {
     assert_eq!(Body::new(&surface).expect("a sphere").piece_count(), 80_000);
     let seconds = start.elapsed().as_secs_f64();
     println!("{seconds} s");
-    assert!(seconds <= 5.0, "{seconds} s");
+    assert!(seconds <= 10.0, "{seconds} s");
 }
