@@ -57,6 +57,13 @@ fn sampled<C: Cell<D>, const D: usize>(
         let of_file = file.map_or_else(String::new, |file| format!("{}: ", file.path.display()));
         scene.error(Part::Field, format!("{of_file}{error}"), help(&error))
     })?;
+    // A series is written by one program.
+    let notes = match notes.as_slice() {
+        [first, others @ ..] if !others.is_empty() => {
+            vec![format!("{first}; so it is in {} more files", others.len())]
+        }
+        _ => notes,
+    };
     Ok((samples, notes))
 }
 
