@@ -2,19 +2,14 @@
 #![no_main]
 
 use std::fs;
-use std::path::PathBuf;
 use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
 use vofkit::geometry::{PositionMethod, TruncationMethod};
 use vofkit::kernel::{self, Job, Task};
+use vofkit_fuzz::Folder;
 
-/// A folder of this process.
-static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
-    let folder = std::env::temp_dir().join(format!("vofkit-fuzz-{}", std::process::id()));
-    fs::create_dir_all(&folder).expect("a folder for tables");
-    folder
-});
+static FOLDER: LazyLock<Folder> = LazyLock::new(Folder::new);
 
 fuzz_target!(|bytes: &[u8]| {
     let [input, output] = ["in.csv", "out.csv"].map(|name| FOLDER.join(name));

@@ -1,6 +1,9 @@
-//! Inputs of the fuzz targets: any bytes become finite nodes, normals, numbers, and meshes with what moves through them.
+//! Inputs of the fuzz targets: any bytes become finite nodes, normals, numbers, meshes with what moves through them, or a file.
 //!
 //! A failing input prints as Rust source, to be pasted into a test of the kernel under a name of its own.
+
+use std::path::{Path, PathBuf};
+use std::{env, fs, process};
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use vofkit::normal::NormalMethod;
@@ -140,5 +143,27 @@ impl StepInput {
             (2, _) => Field::Uniform { velocity: Vector::<3>::zeros() },
             _ => Field::RudmanShear,
         }
+    }
+}
+
+/// A folder of this process for files to read.
+#[derive(Debug)]
+pub struct Folder(PathBuf);
+
+impl Folder {
+    /// Makes it.
+    ///
+    /// # Panics
+    /// If there is no room for temporary files.
+    #[allow(clippy::new_without_default)]
+    pub fn new() -> Self {
+        let folder = env::temp_dir().join(format!("vofkit-fuzz-{}", process::id()));
+        fs::create_dir_all(&folder).expect("a folder for files");
+        Self(folder)
+    }
+
+    /// The path of a file in it.
+    pub fn join(&self, name: impl AsRef<Path>) -> PathBuf {
+        self.0.join(name)
     }
 }
