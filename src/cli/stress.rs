@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::progress;
 use super::terminal::{self, Failure};
 use crate::report::machine::Machine;
 use crate::report::table;
@@ -52,8 +53,13 @@ pub fn run(work: Work) -> Result<(), Failure> {
     // A panic is a finding, and told as one.
     let hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(|_| {}));
-    let tally = |family: &&Family| pool.install(|| stress::run(family, seed, cases as usize));
-    let tallies: Vec<Tally> = families.iter().map(tally).collect();
+    let mut progress = progress::chosen();
+    let tally = |(number, family): (usize, &&Family)| {
+        progress.stage(&format!("{} ({} of {})", family.name, number + 1, families.len()));
+        pool.install(|| stress::run(family, seed, cases as usize))
+    };
+    let tallies: Vec<Tally> = families.iter().enumerate().map(tally).collect();
+    progress.end();
     std::panic::set_hook(hook);
     fs::create_dir_all(&out).map_err(|error| {
         let message = format!("cannot make the folder {}: {error}", out.display());
