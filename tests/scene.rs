@@ -339,6 +339,15 @@ fn what_is_wrong_in_added_lines_is_named_too() {
     assert_answered(&text, "name = \"disc\"", &["missing key `shape`"]);
 }
 
+#[test]
+fn pictures_in_space_are_of_materials() {
+    let text = "name = \"warm\"\n[mesh]\ncells = [2, 2, 2]\nlower = [0, 0, 0]\nupper = [1, 1, 1]\n\
+                [[field]]\nname = \"heat\"\nscheme = \"donor\"\ninitial = { sine = { waves = [1.0, 0.0, 0.0], amplitude = 1.0 } }\n\
+                [velocity]\nfield = { uniform = { velocity = [1, 0, 0] } }\n[advection]\nend_time = 0.1\n\
+                [output]\npicture = true\n";
+    assert_answered(text, "picture = true", &["pictures of materials only", "set picture = false"]);
+}
+
 /// Both `check` and `run` fail with file, line and these words, and leave nothing behind.
 fn assert_answered(text: &str, wrong: &str, answer: &[&str]) {
     let line = text.lines().position(|line| line == wrong).unwrap() + 1;

@@ -33,7 +33,6 @@ pub fn text(kind: Kind) -> String {
         ("end", "5.0"),
         ("times", "[0.0, 2.5, 5.0]"),
         ("z", "# z = [\"wall\", \"wall\"]   # in three dimensions"),
-        ("picture", "true"),
     ];
     let sphere = [
         ("name", "my_sphere"),
@@ -45,7 +44,6 @@ pub fn text(kind: Kind) -> String {
         ("shape", "{ sphere = { centre = [2.5, 2.5, 2.5], radius = 1.5 } }"),
         ("field", "{ uniform = { velocity = [1.0, 1.0, 1.0] } }"),
         ("z", "# z = [\"wall\", \"wall\"]"),
-        ("picture", "false"),
     ];
     let vortex = [
         ("name", "my_vortex"),

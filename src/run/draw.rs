@@ -35,7 +35,7 @@ pub struct FieldView<'a, C, const D: usize> {
 
 /// Cells whose meshes may be drawn.
 pub trait Draw<const D: usize>: Cell<D> {
-    /// Writes a picture; returns false where there is none.
+    /// Writes a picture, in two dimensions as SVG, in three as PNG; returns false where there is none.
     ///
     /// # Errors
     /// Whatever the file system reports.
@@ -82,6 +82,13 @@ impl Draw<2> for Quad {
 }
 
 impl Draw<3> for Hexahedron {
+    #[cfg(feature = "plot")]
+    fn draw(path: &Path, snapshot: &Snapshot<'_, Self, 3>) -> Result<bool, ExportError> {
+        use crate::export::picture::{Look, write_png};
+        write_png(path, snapshot, &Look::default()).map(|()| true)
+    }
+
+    #[cfg(not(feature = "plot"))]
     fn draw(_: &Path, _: &Snapshot<'_, Self, 3>) -> Result<bool, ExportError> {
         Ok(false)
     }

@@ -115,7 +115,9 @@ impl Folder {
 fn is_of_a_run(name: &str, path: &Path) -> bool {
     let name = name.strip_suffix(PARTIAL).unwrap_or(name);
     let tables = [SUMMARY, HISTORY, FIELD_TABLE, CHECKPOINT].map(str::to_owned);
-    let fixed = tables.into_iter().chain([picture_file(FIRST), picture_file(LAST)]);
+    let pictures =
+        [FIRST, LAST].into_iter().flat_map(|when| [picture_file::<2>(when), picture_file::<3>(when)]);
+    let fixed = tables.into_iter().chain(pictures);
     fixed.into_iter().any(|own| own == name)
         || is_state(name)
         || is_field_picture(name)

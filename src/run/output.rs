@@ -71,7 +71,7 @@ pub fn names<const D: usize>(scene: &Resolved<D>, schedule: &Schedule) -> Vec<St
     }
     if output.picture {
         if !scene.materials.is_empty() {
-            names.extend([FIRST, LAST].map(picture_file));
+            names.extend([FIRST, LAST].map(picture_file::<D>));
         }
         names.extend(picture_files(scene));
     }
@@ -88,7 +88,7 @@ pub fn still_names<const D: usize>(scene: &Still<D>) -> Vec<String> {
     let output = &scene.output;
     let mut names = states(output, 1, &scene.name);
     if output.picture {
-        names.push(picture_file(FIRST));
+        names.push(picture_file::<D>(FIRST));
     }
     names.push(SUMMARY.to_owned());
     names
@@ -115,8 +115,9 @@ pub(super) fn series_file(scene: &str) -> String {
     format!("{scene}.pvd")
 }
 
-pub(super) fn picture_file(when: &str) -> String {
-    format!("picture_{when}.svg")
+pub(super) fn picture_file<const D: usize>(when: &str) -> String {
+    let extension = if D == 2 { "svg" } else { "png" };
+    format!("picture_{when}.{extension}")
 }
 
 /// What the fields show besides the fractions.
@@ -269,7 +270,7 @@ impl<'a, const D: usize> Output<'a, D> {
         fractions: &[Vec<f64>],
         facets: &[Facet<D>],
     ) -> Result<(), ExportError> {
-        let name = picture_file(when);
+        let name = picture_file::<D>(when);
         let title = title(&self.scene.name, time);
         let snapshot = Snapshot { mesh, names: &self.names, fractions, facets, title: &title };
         if C::draw(&self.folder.join(&name), &snapshot)? {

@@ -386,7 +386,7 @@ impl<const D: usize> Still<D> {
         let (sections, place) = (file.materials(), file.mesh.get_ref().place());
         let parts = grid.map(|grid| material::parts(sections, &grid, reconstruction, place, context));
         let parts = parts.transpose()?.flatten();
-        let output = file.output.resolve(D, context)?;
+        let output = file.output.resolve(D == 2 || !names.is_empty(), context)?;
         let name = file.name.as_ref().map(|name| name.get_ref().clone()).unwrap_or_default();
         Ok(Self { name, mesh, materials, parts, boundary, reconstruction, output, file, source })
     }

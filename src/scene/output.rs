@@ -48,7 +48,12 @@ enum Format {
 }
 
 impl OutputSection {
-    pub(super) fn resolve(&self, dimension: usize, context: Context<'_>) -> Result<OutputSetup, SceneError> {
+    /// `has_pictures` tells whether there is anything to draw.
+    pub(super) fn resolve(
+        &self,
+        has_pictures: bool,
+        context: Context<'_>,
+    ) -> Result<OutputSetup, SceneError> {
         let mut setup = OutputSetup {
             fields: *self.fields.get_ref(),
             picture: *self.picture.get_ref(),
@@ -93,11 +98,11 @@ impl OutputSection {
         }
         if setup.picture {
             built("plot", cfg!(feature = "plot"), self.picture.span())?;
-            if dimension != 2 {
+            if !has_pictures {
                 return Err(context.error(
                     self.picture.span(),
-                    "pictures are drawn in two dimensions only",
-                    "set picture = false, and look at interface = [\"vtk\"] or [\"obj\"] with a viewer",
+                    "in three dimensions there are pictures of materials only, and the scene has none",
+                    "set picture = false, and look at fields = true with a viewer",
                 ));
             }
         }

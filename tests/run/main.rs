@@ -53,6 +53,23 @@ fn every_scene_runs_and_tells_the_truth() {
     }
 }
 
+/// In space they are PNG, and those of an earlier run go with its other files.
+#[cfg(feature = "plot")]
+#[test]
+fn runs_in_space_draw_their_start_and_end() {
+    let place = Place::new();
+    let summary = place.run("sphere_diagonal", "o", &small("sphere_diagonal"));
+    for name in ["picture_first.png", "picture_last.png"] {
+        assert!(summary["files"].as_array().unwrap().contains(&Value::from(name)), "{}", summary["files"]);
+        let picture = fs::read(place.path("o").join(name)).unwrap();
+        assert!(picture.starts_with(b"\x89PNG\r\n\x1a\n"), "{name}");
+    }
+    let file = scene("sphere_diagonal").display().to_string();
+    let less = ["--set", "mesh.cells=[6,6,6]", "--set", "output.picture=false"];
+    let again = place.vofkit(&[&["run", &file, "--out", "o", "--force"], &less[..]].concat());
+    assert!(again.code == Some(0) && !place.path("o/picture_last.png").exists(), "{}", again.err);
+}
+
 #[test]
 fn the_summary_has_all_its_fields() {
     let place = Place::new();

@@ -73,7 +73,7 @@ pub(super) fn document<C: Cell<2>>(
     }
     let white = Rectangle::new().set("width", "100%").set("height", "100%").set("fill", "white");
     let drawing = Group::new().add(white).add(drawing);
-    Ok((view.sheet.document(title, drawing, names, colours), view.sheet))
+    Ok((view.sheet.document(title, drawing, names, colours, FULL), view.sheet))
 }
 
 /// Where the mesh lies on the sheet.

@@ -96,13 +96,14 @@ impl Sheet {
         [self.width, self.height].map(|length| (length * self.pixels).round() as u32)
     }
 
-    /// The document with drawing, title and legend.
+    /// The document with drawing, title and legend, whose colours have the opacity of what is full.
     pub(super) fn document(
         &self,
         title: &str,
         drawing: Group,
         names: &[String],
         colours: &[Colour],
+        opacity: f64,
     ) -> Document {
         let (width, height) = (self.width, self.height);
         Document::new()
@@ -112,7 +113,7 @@ impl Sheet {
             .set("font-family", FONTS)
             .add(drawing)
             .add(self.heading(title))
-            .add(self.legend(names, colours))
+            .add(self.legend(names, colours, opacity))
     }
 
     /// The title, small enough to fit.
@@ -128,7 +129,7 @@ impl Sheet {
     }
 
     /// The names with their colours.
-    fn legend(&self, names: &[String], colours: &[Colour]) -> Group {
+    fn legend(&self, names: &[String], colours: &[Colour], opacity: f64) -> Group {
         let group = Group::new().set("font-size", TEXT).set("fill", "#222222");
         let entries = self.legend.iter().zip(names).zip(colours.iter().cycle());
         entries.fold(group, |group, ((place, name), &colour)| {
@@ -139,7 +140,7 @@ impl Sheet {
                 .set("width", TEXT)
                 .set("height", TEXT)
                 .set("fill", shaded(colour, 1.0))
-                .set("fill-opacity", FULL)
+                .set("fill-opacity", opacity)
                 .set("stroke", shaded(colour, DARK))
                 .set("stroke-width", 2);
             group.add(swatch).add(Text::new(printable(name)).set("x", left + 1.6 * TEXT).set("y", base))

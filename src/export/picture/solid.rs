@@ -55,7 +55,7 @@ impl Paint<3> for Hexahedron {
         }
         let mut picture = raster::white(&eye.sheet)?;
         canvas.show(&mut picture);
-        raster::png(&eye.sheet.document(title, Group::new(), names, colours), picture, &eye.sheet)
+        raster::png(&eye.sheet.document(title, Group::new(), names, colours, 1.0), picture, &eye.sheet)
     }
 }
 

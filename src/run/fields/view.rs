@@ -34,7 +34,8 @@ pub(in crate::run) fn is_field_picture(name: &str) -> bool {
 
 /// The names of the pictures of fields of a scene.
 pub(in crate::run) fn picture_files<const D: usize>(scene: &Resolved<D>) -> Vec<String> {
-    let parts: Vec<String> = scene.fields.iter().flat_map(parts).collect();
+    let drawn = if D == 2 { &scene.fields[..] } else { &[] };
+    let parts: Vec<String> = drawn.iter().flat_map(parts).collect();
     [FIRST, LAST].iter().flat_map(|when| parts.iter().map(move |part| picture_file(part, when))).collect()
 }
 
