@@ -9,7 +9,7 @@ use vofkit::geometry::{PositionMethod, TruncationMethod};
 use vofkit::kernel::{self, Job, Task};
 use vofkit_fuzz::Folder;
 
-static FOLDER: LazyLock<Folder> = LazyLock::new(Folder::new);
+static FOLDER: LazyLock<Folder> = LazyLock::new(Folder::default);
 
 fuzz_target!(|bytes: &[u8]| {
     let [input, output] = ["in.csv", "out.csv"].map(|name| FOLDER.join(name));

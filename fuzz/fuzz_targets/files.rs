@@ -16,7 +16,7 @@ use vofkit_fuzz::Folder;
 /// Meshes with more cells than this are not made.
 const CELLS: usize = 1000;
 
-static FOLDER: LazyLock<Folder> = LazyLock::new(Folder::new);
+static FOLDER: LazyLock<Folder> = LazyLock::new(Folder::default);
 
 /// What a reader gave; an error says something.
 fn told<T, E: std::fmt::Display>(result: Result<T, E>) -> Option<T> {

@@ -150,18 +150,19 @@ impl StepInput {
 #[derive(Debug)]
 pub struct Folder(PathBuf);
 
-impl Folder {
+impl Default for Folder {
     /// Makes it.
     ///
     /// # Panics
     /// If there is no room for temporary files.
-    #[allow(clippy::new_without_default)]
-    pub fn new() -> Self {
+    fn default() -> Self {
         let folder = env::temp_dir().join(format!("vofkit-fuzz-{}", process::id()));
         fs::create_dir_all(&folder).expect("a folder for files");
         Self(folder)
     }
+}
 
+impl Folder {
     /// The path of a file in it.
     pub fn join(&self, name: impl AsRef<Path>) -> PathBuf {
         self.0.join(name)

@@ -295,9 +295,10 @@ fn place_all<C: Cell<D>, const D: usize>(
             Some(Wanted { cell: cell(index), normal, fraction: material.fractions[index] })
         })
         .collect();
-    let mut constants = vec![None; wanted.len()];
-    C::plane_constants(&wanted, position, |i, found| constants[i] = Some(found));
-    let mut constants = constants.into_iter().flatten();
+    let mut constants = vec![Err(PositionError::Normal); wanted.len()];
+    C::plane_constants(&wanted, position, |i, found| constants[i] = found);
+    // One for each normal, in their order.
+    let mut constants = constants.into_iter();
     all.map(|(index, found)| {
         placed(material, index, found, |_| constants.next().unwrap_or(Err(PositionError::Normal)))
     })

@@ -143,7 +143,7 @@ fn heaps_of_cubes_are_no_overlap() {
     }
 }
 
-/// Were each triangle checked against each other one, the tests would not end.
+/// Were each triangle checked against each other one, this would be billions of checks.
 #[test]
 fn a_large_surface_is_checked() {
     let surface = sphere_surface(V3::repeat(0.5), 0.4, 200, 201);

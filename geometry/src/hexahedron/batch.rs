@@ -87,7 +87,7 @@ impl Batch {
         sign: [0.0; LANES],
         total: [0.0; LANES],
         target: [0.0; LANES],
-        faces: [Profile::NOTHING; 6],
+        faces: [Profile::EMPTY; 6],
         searches: Searches {
             position: [0.0; LANES],
             best: [0.0; LANES],

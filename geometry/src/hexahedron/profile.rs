@@ -128,7 +128,7 @@ pub(super) fn projected(y: &[Vector3; 8], m: &Vector3, [axis, j, k]: [usize; 3])
 
 impl Profile {
     /// No faces.
-    pub(super) const NOTHING: Self = Self {
+    pub(super) const EMPTY: Self = Self {
         heights: [[0.0; LANES]; 4],
         rises: [[0.0; LANES]; 4],
         density: [[0.0; LANES]; 4],
@@ -146,7 +146,7 @@ impl Profile {
     #[inline(always)]
     pub(super) fn over(heights: &[f64; 8], shadow: &Shadow) -> Self {
         // Never below: for the lanes that are nothing.
-        let mut profile = Self { heights: corners(heights, f64::MAX), ..Self::NOTHING };
+        let mut profile = Self { heights: corners(heights, f64::MAX), ..Self::EMPTY };
         profile.prepare(|i| shadow.face(i));
         profile
     }
