@@ -15,15 +15,14 @@ mod profile;
 
 use std::ops::{Add, Mul, Sub};
 
-use crate::affine::Affine;
 use crate::cell::{Cell, Truncation, Wanted};
 use crate::clip::HexahedronTile;
 use crate::compensated::Pair;
 use crate::frame::{Direction, Frame, is_ill_conditioned};
-use crate::plane_constant::{self, Monotone, PlaneConstant, PositionError, PositionMethod};
+use crate::plane_constant::{self, PlaneConstant, PositionError, PositionMethod};
 use crate::ruled_face::area_vector;
 use crate::tolerance::{TWIST_AFFINE, TWIST_NEGLIGIBLE};
-use crate::{Defect, HalfSpace, Vector, defects, jacobian, section, simd};
+use crate::{Defect, HalfSpace, Vector, affine, defects, jacobian, section, simd};
 
 use along::Along;
 
@@ -36,8 +35,6 @@ pub struct Hexahedron {
     frame: Frame<3>,
     /// The nodes in the frame.
     local: [Vector3; 8],
-    /// The twists in the frame.
-    twists: [Vector3; 4],
     local_volume: f64,
     affine: bool,
 }
@@ -125,7 +122,7 @@ impl Hexahedron {
         if !(size <= TWIST_AFFINE) {
             return Self::scaled(nodes);
         }
-        let mut cell = Self { nodes, frame, local: CUBE, twists, local_volume: 1.0, affine: true };
+        let mut cell = Self { nodes, frame, local: CUBE, local_volume: 1.0, affine: true };
         if size > TWIST_NEGLIGIBLE {
             twist_cube(&mut cell.local, &twists);
             cell.local_volume += (b12.cross(b13)[0] + b23.cross(b12)[1] + b13.cross(b23)[2]) / 12.0;
@@ -152,7 +149,7 @@ impl Hexahedron {
         let local = relative.map(|x| x / scale);
         let (edges, twists) = modes(|a, b| local[b] - local[a]);
         let local_volume = volume(&edges, &twists);
-        Self { nodes, frame: Frame::scaled(scale), local, twists, local_volume, affine: false }
+        Self { nodes, frame: Frame::scaled(scale), local, local_volume, affine: false }
     }
 
     /// [`Cell::truncate`] where there is no closed form: apart from it, so that the closed form needs no room for this.
@@ -308,9 +305,7 @@ impl Cell<3> for Hexahedron {
 
     fn truncate(&self, half_space: &HalfSpace<3>) -> Truncation {
         if self.affine {
-            let mut along = Affine::new(self.direction(&half_space.normal));
-            let part = along.volume(along.depth(half_space.constant));
-            return self.frame.truncation(part, &along.direction);
+            return affine::truncate(&self.frame, &self.nodes[0], half_space);
         }
         self.truncate_ruled(half_space)
     }
@@ -342,9 +337,7 @@ impl Cell<3> for Hexahedron {
         plane_constant::check(normal.as_slice(), fraction, self.volume())?;
         plane_constant::from_smaller_part(fraction, |sign, fraction| {
             if self.affine {
-                let mut along = Affine::new(self.direction(&(normal * sign)));
-                let found = plane_constant::find(&mut along, fraction, method)?;
-                return Ok(found.plane(&along.direction, along.low, sign));
+                return affine::plane_constant(&self.frame, &self.nodes[0], normal, sign, fraction, method);
             }
             self.position_ruled(&(normal * sign), sign, fraction, method)
         })
@@ -392,14 +385,14 @@ impl Hexahedron {
     /// with the axes `i, j, k` in cyclic order, `P = e_j + c b_ij`, `Q = e_k + c b_ik`, `R = b_jk + c b`,
     /// it is `e_i.(P x Q) + [ b_ij.(P x R) + b_ik.(R x Q) ] / 12`.
     fn section_determinant(&self, axis: usize, c: f64) -> f64 {
+        let (edges, twists) = modes(|a, b| self.local[b] - self.local[a]);
         // The twists of two axes, by the third.
-        let twist = |without: usize| &self.twists[[2, 1, 0][without]];
+        let twist = |without: usize| &twists[[2, 1, 0][without]];
         let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
         let (b_ij, b_ik, b_jk) = (twist(k), twist(j), twist(axis));
-        let (edges, _) = modes(|a, b| self.local[b] - self.local[a]);
         let p = edges[j] + b_ij * c;
         let q = edges[k] + b_ik * c;
-        let r = b_jk + self.twists[3] * c;
+        let r = b_jk + twists[3] * c;
         edges[axis].dot(&p.cross(&q)) + (b_ij.dot(&p.cross(&r)) + b_ik.dot(&r.cross(&q))) / 12.0
     }
 }

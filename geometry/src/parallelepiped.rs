@@ -23,6 +23,7 @@
 //! Both are exact to rounding as `m1` goes to zero.
 
 use crate::root::Value;
+use crate::simd::either;
 
 /// The unit square or cube along one direction `m`.
 #[derive(Clone, Copy, Debug)]
@@ -39,9 +40,10 @@ impl UnitCube {
             *magnitude = component.abs();
         }
         let [a, b, c] = magnitudes;
-        let (a, b) = (a.min(b), a.max(b));
-        let (b, c) = (b.min(c), b.max(c));
-        let m = [a.min(b), a.max(b), c];
+        let [a, b] = sorted(a, b);
+        let [b, c] = sorted(b, c);
+        let [a, b] = sorted(a, b);
+        let m = [a, b, c];
         Self { m, sum: m[0] + m[1] + m[2] }
     }
 
@@ -51,7 +53,7 @@ impl UnitCube {
     }
 
     /// The part of the volume below the depth `a`, and its derivative with respect to `a`.
-    #[inline]
+    #[inline(always)]
     pub fn volume(&self, a: f64) -> Value {
         if a <= 0.0 {
             return Value::default();
@@ -98,6 +100,7 @@ impl UnitCube {
     }
 
     /// The depth below which the part `fraction` in `[0, 1]` of the volume lies: the inverse of [`UnitCube::volume`].
+    #[inline(always)]
     pub fn position(&self, fraction: f64) -> f64 {
         if fraction <= 0.5 {
             self.lower_position(fraction)
@@ -106,6 +109,7 @@ impl UnitCube {
         }
     }
 
+    #[inline(always)]
     fn lower_position(&self, fraction: f64) -> f64 {
         let [m1, m2, m3] = self.m;
         let corner = m1 * m1 / (6.0 * m2 * m3);
@@ -138,9 +142,17 @@ impl UnitCube {
     }
 }
 
+/// Two numbers, the smaller one first.
+#[inline(always)]
+fn sorted(a: f64, b: f64) -> [f64; 2] {
+    let swap = b < a;
+    [either(swap, b, a), either(swap, a, b)]
+}
+
 /// The smallest root `2 sin(asin(x) / 3)` of `y^3 - 3 y + 2 x`, for `x` from 0 to [`MIDDLE_END`].
 ///
 /// A cubic in `x^2` is right to a thousandth, and each of two of Halley's steps triples the digits.
+#[inline(always)]
 fn middle_root(x: f64) -> f64 {
     let x = if x < MIDDLE_END { x } else { MIDDLE_END };
     let x = if x > 0.0 { x } else { 0.0 };

@@ -12,7 +12,6 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use crate::affine::Affine;
 use crate::cell::{Cell, Truncation};
 use crate::clip::QuadTile;
 use crate::compensated::Pair;
@@ -21,7 +20,7 @@ use crate::parallelepiped::UnitCube;
 use crate::plane_constant::{self, Monotone, PlaneConstant, PositionError, PositionMethod};
 use crate::root::Value;
 use crate::tolerance::{TWIST_AFFINE, TWIST_NEGLIGIBLE};
-use crate::{Defect, HalfSpace, Vector, centroid, defects, moment, section};
+use crate::{Defect, HalfSpace, Vector, affine, centroid, defects, moment, section};
 
 type Vector2 = Vector<2>;
 
@@ -277,9 +276,7 @@ impl Cell<2> for Quad {
 
     fn truncate(&self, half_space: &HalfSpace<2>) -> Truncation {
         if self.affine {
-            let mut along = Affine::new(self.direction(&half_space.normal));
-            let part = along.volume(along.depth(half_space.constant));
-            return self.frame.truncation(part, &along.direction);
+            return affine::truncate(&self.frame, &self.nodes[0], half_space);
         }
         let mut along = self.along(&half_space.normal);
         let part = along.volume(along.depth(half_space.constant));
@@ -310,9 +307,7 @@ impl Cell<2> for Quad {
         plane_constant::check(normal.as_slice(), fraction, self.volume())?;
         plane_constant::from_smaller_part(fraction, |sign, fraction| {
             if self.affine {
-                let mut along = Affine::new(self.direction(&(normal * sign)));
-                let found = plane_constant::find(&mut along, fraction, method)?;
-                return Ok(found.plane(&along.direction, along.low, sign));
+                return affine::plane_constant(&self.frame, &self.nodes[0], normal, sign, fraction, method);
             }
             let mut along = self.along(&(normal * sign));
             let found = plane_constant::find(&mut along, fraction, method)?;

@@ -54,7 +54,8 @@ fn is_searched(Wanted { cell, normal, fraction }: &Wanted<Hexahedron, 3>, method
         && plane_constant::check(normal.as_slice(), *fraction, cell.volume()).is_ok()
 }
 
-/// Eight cells, each along its normal.
+/// Eight cells, each along its normal. Aligned as [`Profile`].
+#[repr(align(64))]
 struct Batch {
     directions: [Direction<3>; LANES],
     /// `m.y` of the lowest node, the sign of the normal, and the whole volume.
@@ -67,7 +68,8 @@ struct Batch {
     searches: Searches,
 }
 
-/// One [`Search`] in each lane.
+/// One [`Search`] in each lane. Aligned as [`Profile`].
+#[repr(align(64))]
 struct Searches {
     position: Lanes,
     best: Lanes,
