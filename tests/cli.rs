@@ -4,6 +4,8 @@
 mod cli_support;
 
 use std::fs;
+use std::io::BufReader;
+use std::path::Path;
 
 use cli_support::{Place, assert_sound, scene};
 
@@ -333,6 +335,40 @@ fn pictures_of_results_are_those_of_the_scene() {
     assert_eq!(done.out, "static_two_discs.png: static_two_discs, t = 0\n");
 }
 
+/// The frames of a picture that moves, and of one that does not the only one.
+fn frames(file: &Path) -> Vec<Vec<u8>> {
+    let mut reader = png::Decoder::new(BufReader::new(fs::File::open(file).unwrap())).read_info().unwrap();
+    let count = reader.info().animation_control().map_or(1, |control| control.num_frames);
+    let mut next = || {
+        let mut frame = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut frame).unwrap();
+        frame
+    };
+    let frames = (0..count).map(|_| next()).collect();
+    assert!(reader.next_frame(&mut vec![0; reader.output_buffer_size().unwrap()]).is_err());
+    frames
+}
+
+#[test]
+fn an_animation_has_the_pictures_of_all_states() {
+    let place = Place::new();
+    let settings = ["output.interface=[\"vtk\"]", "output.fields=true", "output.times=[0, 0.2, 0.4]"];
+    for name in ["disc_diagonal", "sphere_diagonal"] {
+        place.run(name, name, &settings);
+        let film = place.vofkit(&["picture", name, "--animate=25", "--size", "300x260", "--out", "film.png"]);
+        assert_eq!((film.code, film.err.as_str()), (Some(0), ""));
+        assert!(film.out.starts_with(&format!("film.png: {name}, 3 states, t = 0 to 0.4")), "{}", film.out);
+        let film = frames(&place.path("film.png"));
+        assert_eq!(film.len(), 3);
+        for (time, frame) in ["0", "0.2", "0.4"].iter().zip(film) {
+            let still =
+                place.vofkit(&["picture", name, "--time", time, "--size", "300x260", "--out", "still.png"]);
+            assert_eq!((still.code, still.err.as_str()), (Some(0), ""));
+            assert!(frames(&place.path("still.png")) == [frame], "{name}, t = {time}");
+        }
+    }
+}
+
 #[test]
 fn pictures_that_cannot_be_drawn_are_explained() {
     let place = Place::new();
@@ -354,6 +390,11 @@ fn pictures_that_cannot_be_drawn_are_explained() {
         (&["less"], 1, &["disc_diagonal.pvd", "it names less/fields_0001.vts", "put it back, or run"]),
         (&["o", "--time", "77"], 1, &["nothing of time 77", "go from 0 to"]),
         (&["o", "--set", "a=1"], 1, &["--set", "holds results"]),
+        (&["o", "--animate=0"], 2, &["1..=1000"]),
+        (&["o", "--animate", "--time", "0"], 2, &["cannot be used with"]),
+        (&["o", "--animate"], 1, &["no fields at time", "fields = true"]),
+        (&["less", "--animate"], 1, &["it names less/fields_0001.vts", "put it back, or run"]),
+        (&[&small(), "--animate"], 1, &["no folder with results", "many times"]),
         (&[&small(), "--time", "77"], 1, &["no time 77", "from 0 to"]),
         (&[&small(), "--time", "-1"], 1, &["no time -1"]),
         (&[&small(), "--time", "inf"], 2, &["give a number"]),

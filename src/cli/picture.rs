@@ -1,18 +1,18 @@
-//! Pictures of scenes and results, as PNG.
+//! Pictures of scenes and results, as PNG, and animations of results.
 
 use std::ffi::OsStr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use vofkit_geometry::{Hexahedron, Quad};
 
 use super::terminal::{self, Failure};
 use crate::export::Snapshot;
-use crate::export::picture::{Look, Paint, Slice, View, write_png};
+use crate::export::picture::{self, Look, Paint, Pixels, Slice, View, write_animation};
+use crate::run::Draw;
 use crate::run::moment::{self, Moment};
 use crate::run::output::title;
-use crate::run::results::Stored;
-use crate::run::{Draw, RunError};
+use crate::run::results::Results;
 use crate::scene::{Draft, Resolved, Scene, Still, StillScene};
 
 /// Least and largest width and height of a picture, in pixels.
@@ -26,6 +26,10 @@ pub struct Work {
     /// The time: scenes are run up to it, 0 unless it is given; of results the nearest state is drawn, the last unless it is given.
     #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
     pub time: Option<f64>,
+    /// Draw all states of a run's results in one file that moves (APNG, which browsers play): 10 a second, or PER_SECOND.
+    #[arg(long, value_name = "PER_SECOND", num_args = 0..=1, require_equals = true, default_missing_value = "10",
+        value_parser = clap::value_parser!(u16).range(1..=1000), conflicts_with = "time")]
+    pub animate: Option<u16>,
     /// The file to write; NAME.png with the name of the scene unless it is given.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -81,6 +85,12 @@ pub fn draw(work: Work) -> Result<(), Failure> {
         ));
     }
     if !work.source.is_dir() {
+        if work.animate.is_some() {
+            return Err(Failure::other(
+                format!("--animate does not fit {}, which is no folder with results", work.source.display()),
+                "run the scene with many times in its [output], and name its output folder",
+            ));
+        }
         let draft = Draft::load(&work.source, &work.set)?;
         return if draft.moves() {
             match draft.scene()? {
@@ -100,10 +110,14 @@ pub fn draw(work: Work) -> Result<(), Failure> {
             "name the scene, or leave out --set",
         ));
     }
-    let stored = Stored::open(&work.source, work.time)?;
+    let results = Results::open(&work.source)?;
+    if let Some(per_second) = work.animate {
+        return work.film(&results, per_second);
+    }
+    let stored = results.state(work.time)?;
     match stored.dimension() {
-        2 => work.write(&stored.name, &stored.moment::<Quad, 2>()?),
-        _ => work.write(&stored.name, &stored.moment::<Hexahedron, 3>()?),
+        2 => work.write(&results.name(), &stored.moment::<Quad, 2>()?),
+        _ => work.write(&results.name(), &stored.moment::<Hexahedron, 3>()?),
     }
 }
 
@@ -124,6 +138,37 @@ impl Work {
     }
 
     fn write<C: Paint<D>, const D: usize>(&self, name: &str, moment: &Moment<C, D>) -> Result<(), Failure> {
+        let out = self.out(name);
+        self.pixels(&out, name, moment)?.write(&out)?;
+        terminal::print(&format!("{}: {}\n", out.display(), title(name, moment.time)))
+    }
+
+    /// Draws all states of results in one file.
+    fn film(&self, results: &Results, per_second: u16) -> Result<(), Failure> {
+        let (name, times) = (results.name(), results.times());
+        let out = self.out(&name);
+        let frames = u32::try_from(times.len()).unwrap_or(u32::MAX);
+        write_animation(&out, frames, per_second, |frame| {
+            let stored = results.state(Some(times[frame as usize]))?;
+            match stored.dimension() {
+                2 => self.pixels(&out, &name, &stored.moment::<Quad, 2>()?),
+                _ => self.pixels(&out, &name, &stored.moment::<Hexahedron, 3>()?),
+            }
+        })?;
+        let [first, last] = [times[0], times[times.len() - 1]];
+        terminal::print(&format!("{}: {name}, {frames} states, t = {first} to {last}\n", out.display()))
+    }
+
+    fn out(&self, name: &str) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.png")))
+    }
+
+    fn pixels<C: Paint<D>, const D: usize>(
+        &self,
+        out: &Path,
+        name: &str,
+        moment: &Moment<C, D>,
+    ) -> Result<Pixels, Failure> {
         let Moment { time, mesh, names, fractions, facets } = moment;
         if names.is_empty() {
             return Err(Failure::other(
@@ -139,10 +184,8 @@ impl Work {
             mesh: !self.no_mesh,
             normals: self.normals,
         };
-        let out = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.png")));
         let title = title(name, *time);
         let snapshot = Snapshot { mesh, names, fractions, facets, title: &title };
-        write_png(&out, &snapshot, &look).map_err(RunError::from)?;
-        terminal::print(&format!("{}: {title}\n", out.display()))
+        Ok(picture::draw(out, &snapshot, &look)?)
     }
 }

@@ -5,6 +5,7 @@ use std::io::{self, IsTerminal, Write};
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 
+use crate::export::ExportError;
 use crate::run::RunError;
 use crate::run::threads::ThreadsError;
 use crate::scene::SceneError;
@@ -38,6 +39,12 @@ impl From<RunError> for Failure {
 
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
+        Self::Run(error.into())
+    }
+}
+
+impl From<ExportError> for Failure {
+    fn from(error: ExportError) -> Self {
         Self::Run(error.into())
     }
 }

@@ -1,4 +1,4 @@
-//! A state of a run, read back from its output folder.
+//! States of a run, read back from its output folder.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,26 +11,52 @@ use super::moment::Moment;
 use crate::import::{ImportError, StructuredGrid, TimedFile, read_facets, read_series};
 use crate::mesh::{Grid, Mesh};
 
+/// What a run left in its output folder.
+#[derive(Clone, Debug)]
+pub struct Results {
+    folder: PathBuf,
+    series: PathBuf,
+    /// One at least, in the order of their times.
+    files: Vec<TimedFile>,
+}
+
 /// A state whose mesh was read, and whose dimension is known.
 #[derive(Clone, Debug)]
 pub struct Stored {
-    /// The name of the scene.
-    pub name: String,
     time: f64,
     grid: StructuredGrid,
     interface: PathBuf,
 }
 
-impl Stored {
-    /// Opens the state of a folder that is nearest to a time, or the last one.
+impl Results {
+    /// Finds the results of a folder.
     ///
     /// # Errors
-    /// A folder without results, or without those that are needed, a time before the first or after the last state, and files that cannot be
-    /// read.
-    pub fn open(folder: &Path, time: Option<f64>) -> Result<Self, RunError> {
+    /// A folder without results, or with those of several runs.
+    pub fn open(folder: &Path) -> Result<Self, RunError> {
         let series = series(folder)?;
         let files = read_series(&series)?;
-        // There is one at least, and they are in the order of their times.
+        Ok(Self { folder: folder.to_owned(), series, files })
+    }
+
+    /// The name of the scene.
+    pub fn name(&self) -> String {
+        self.series.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+    }
+
+    /// The times of the states, in order.
+    pub fn times(&self) -> Vec<f64> {
+        let mut times: Vec<f64> = self.files.iter().map(|file| file.time).collect();
+        times.dedup();
+        times
+    }
+
+    /// Opens the state that is nearest to a time, or the last one.
+    ///
+    /// # Errors
+    /// A time before the first or after the last state, a state without interface or fields, and files that cannot be read.
+    pub fn state(&self, time: Option<f64>) -> Result<Stored, RunError> {
+        let Self { folder, series, files } = self;
         let [first, last] = [0, files.len() - 1].map(|at| files[at].time);
         let wanted = time.unwrap_or(last);
         if !(first <= wanted && wanted <= last) {
@@ -51,15 +77,16 @@ impl Stored {
                 let problem = format!("has no {group} at time {nearest}: there are none in {name}");
                 refused(folder, problem, format!("run the scene again with {setting} in its [output]"))
             })?;
-            file.check(&series, "put it back, or run the scene again")?;
+            file.check(series, "put it back, or run the scene again")?;
             Ok::<_, RunError>(file.path.clone())
         };
         let interface = file("interface", "interface = [\"vtk\"]")?;
         let grid = StructuredGrid::read(file("fields", "fields = true")?)?;
-        let name = series.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        Ok(Self { name, time: nearest, grid, interface })
+        Ok(Stored { time: nearest, grid, interface })
     }
+}
 
+impl Stored {
     /// 2 or 3.
     pub fn dimension(&self) -> usize {
         self.grid.dimension()

@@ -2,8 +2,9 @@
 
 use super::*;
 use resvg::tiny_skia::Pixmap;
+use vofkit::export::ExportError;
 use vofkit::export::Snapshot;
-use vofkit::export::picture::{Look, Paint, write_png, write_svg};
+use vofkit::export::picture::{Look, Paint, draw, write_animation, write_png, write_svg};
 use vofkit::fractions::volume_fractions;
 use vofkit::geometry::{Hexahedron, Quad};
 use vofkit::interface::{Reconstruction, reconstruct};
@@ -45,6 +46,32 @@ fn what_does_not_fit_is_refused() {
     refused(&fractions(11), &[], "`disc` has 11 values, the mesh has 12 cells");
     refused(&fractions(12), &[facet(0, 2, vec![])], "cell 0 is of material 2, but 2 names");
     assert_eq!(files_in(folder.path()), [] as [PathBuf; 0]);
+}
+
+#[test]
+fn frames_of_an_animation_are_of_one_size() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("film.png");
+    let mesh = mesh::<Quad, 2>([4, 3]);
+    let (names, fractions) = (names(), fractions(12));
+    let snapshot = Snapshot { mesh: &mesh, names: &names, fractions: &fractions, facets: &[], title: "" };
+    let film = |frames: u32, widths: [u32; 3]| {
+        write_animation::<ExportError>(&path, frames, 10, |frame| {
+            let look = Look { size: Some([widths[frame as usize], 200]), ..Look::default() };
+            draw(&path, &snapshot, &look)
+        })
+    };
+    let refused = |frames, widths, what: &str| {
+        let error = film(frames, widths).unwrap_err();
+        assert!(error.to_string().contains(what), "{error}");
+        assert_eq!(files_in(folder.path()), [] as [PathBuf; 0]);
+    };
+    refused(0, [300; 3], "0 frames");
+    refused(3, [300, 300, 301], "frame 2 has 301 x 200 pixels, those before 300 x 200");
+    // One that cannot be drawn at all.
+    refused(2, [300, 0, 300], "");
+    film(3, [300; 3]).unwrap();
+    assert_eq!(files_in(folder.path()), [path.clone()]);
 }
 
 /// A picture, read back.

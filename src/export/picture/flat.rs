@@ -8,7 +8,7 @@ use vofkit_geometry::{Cell, Quad, Vector};
 
 use super::path::{PathText, Pixel};
 use super::sheet::{DARK, FULL, Sheet, shaded};
-use super::{Look, Paint, finite_loops, raster};
+use super::{Look, Paint, Pixels, finite_loops, raster};
 use crate::export::Snapshot;
 use crate::export::palette::Colour;
 use crate::facet::Facet;
@@ -31,7 +31,7 @@ const ARROW: f64 = 0.8;
 const HEAD: f64 = 0.2;
 
 impl Paint<2> for Quad {
-    fn png(snapshot: &Snapshot<'_, Self, 2>, colours: &[Colour], look: &Look) -> Result<Vec<u8>, String> {
+    fn pixels(snapshot: &Snapshot<'_, Self, 2>, colours: &[Colour], look: &Look) -> Result<Pixels, String> {
         if look.view.is_some() {
             return Err("the mesh has two dimensions, which are seen from one side only: leave out the view"
                 .to_owned());
@@ -40,7 +40,7 @@ impl Paint<2> for Quad {
             return Err("the mesh has two dimensions, of which there is no slice: leave it out".to_owned());
         }
         let (document, sheet) = document(snapshot, colours, look)?;
-        raster::png(&document, raster::white(&sheet)?, &sheet)
+        raster::draw(&document, raster::white(&sheet)?, &sheet)
     }
 }
 

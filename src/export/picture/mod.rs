@@ -4,24 +4,26 @@
 //! - `flat`: two dimensions, as SVG, with `path`, which writes lines and polygons in few characters;
 //! - `solid`: three dimensions, with `camera`, where they are seen from, and `depth`, what hides what;
 //! - `pieces`: fragments in colours of their own;
-//! - `sheet`: size, title and legend; `raster`: from SVG to PNG, with the font that comes with the program.
+//! - `sheet`: size, title and legend; `raster`: from SVG to pixels, with the font that comes with the program;
+//! - `pixels`: from there to PNG files, also of many pictures as an animation.
 
 mod camera;
 mod depth;
 mod flat;
 mod path;
 mod pieces;
+mod pixels;
 mod raster;
 mod sheet;
 mod solid;
 
-use std::io::Write;
 use std::path::Path;
 
 use vofkit_geometry::{Cell, Vector};
 
 pub use self::camera::{Slice, View};
 use self::pieces::ByPiece;
+pub use self::pixels::{Pixels, write_animation};
 use super::palette::{AREAS, Colour};
 use super::{ExportError, Snapshot, check_length, check_materials, write_file};
 use crate::facet::Facet;
@@ -53,11 +55,11 @@ impl Default for Look {
 
 /// Cells whose meshes can be drawn.
 pub trait Paint<const D: usize>: Cell<D> {
-    /// The bytes of a PNG file.
+    /// A picture, with a colour for each material.
     ///
     /// # Errors
     /// What the look and the mesh do not let be drawn.
-    fn png(snapshot: &Snapshot<'_, Self, D>, colours: &[Colour], look: &Look) -> Result<Vec<u8>, String>;
+    fn pixels(snapshot: &Snapshot<'_, Self, D>, colours: &[Colour], look: &Look) -> Result<Pixels, String>;
 }
 
 /// Writes a picture of a two-dimensional mesh as SVG, about 800 units wide or high.
@@ -89,15 +91,27 @@ pub fn write_png<C: Paint<D>, const D: usize>(
     look: &Look,
 ) -> Result<(), ExportError> {
     let path = path.as_ref();
+    draw(path, snapshot, look)?.write(path)
+}
+
+/// Draws the picture that [`write_png`] writes; errors name the file that it is for.
+///
+/// # Errors
+/// As [`write_png`], but for the file system.
+pub fn draw<C: Paint<D>, const D: usize>(
+    path: impl AsRef<Path>,
+    snapshot: &Snapshot<'_, C, D>,
+    look: &Look,
+) -> Result<Pixels, ExportError> {
+    let path = path.as_ref();
     check(path, snapshot)?;
-    let bytes = if look.fragments {
+    let drawn = if look.fragments {
         let pieces = ByPiece::new(snapshot);
-        C::png(&pieces.snapshot(snapshot), &pieces.colours, look)
+        C::pixels(&pieces.snapshot(snapshot), &pieces.colours, look)
     } else {
-        C::png(snapshot, &AREAS, look)
+        C::pixels(snapshot, &AREAS, look)
     };
-    let bytes = bytes.map_err(|reason| ExportError::data(path, reason))?;
-    write_file(path, |writer| writer.write_all(&bytes))
+    drawn.map_err(|reason| ExportError::data(path, reason))
 }
 
 fn check<C: Cell<D>, const D: usize>(path: &Path, snapshot: &Snapshot<'_, C, D>) -> Result<(), ExportError> {

@@ -6,7 +6,7 @@ use vofkit_geometry::{Hexahedron, Vector};
 use super::camera::{Slice, View};
 use super::depth::{Canvas, Place};
 use super::sheet::Sheet;
-use super::{Look, Paint, finite_loops, raster};
+use super::{Look, Paint, Pixels, finite_loops, raster};
 use crate::export::Snapshot;
 use crate::export::palette::{Colour, GREY};
 use crate::export::triangulation::triangles;
@@ -35,7 +35,7 @@ const LIFT: f64 = 2e-3;
 const ARROW: f64 = 0.8;
 
 impl Paint<3> for Hexahedron {
-    fn png(snapshot: &Snapshot<'_, Self, 3>, colours: &[Colour], look: &Look) -> Result<Vec<u8>, String> {
+    fn pixels(snapshot: &Snapshot<'_, Self, 3>, colours: &[Colour], look: &Look) -> Result<Pixels, String> {
         let Snapshot { mesh, names, facets, title, .. } = *snapshot;
         let eye = Eye::new(mesh, names, look)?;
         let mut canvas = Canvas::new(eye.sheet.size());
@@ -55,7 +55,7 @@ impl Paint<3> for Hexahedron {
         }
         let mut picture = raster::white(&eye.sheet)?;
         canvas.show(&mut picture);
-        raster::png(&eye.sheet.document(title, Group::new(), names, colours, 1.0), picture, &eye.sheet)
+        raster::draw(&eye.sheet.document(title, Group::new(), names, colours, 1.0), picture, &eye.sheet)
     }
 }
 
