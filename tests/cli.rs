@@ -357,14 +357,15 @@ fn an_animation_has_the_pictures_of_all_states() {
         place.run(name, name, &settings);
         let film = place.vofkit(&["picture", name, "--animate=25", "--size", "300x260", "--out", "film.png"]);
         assert_eq!((film.code, film.err.as_str()), (Some(0), ""));
-        assert!(film.out.starts_with(&format!("film.png: {name}, 3 states, t = 0 to 0.4")), "{}", film.out);
+        assert!(film.out.starts_with(&format!("film.png: {name}, 3 states, t = 0 to ")), "{}", film.out);
         let film = frames(&place.path("film.png"));
         assert_eq!(film.len(), 3);
-        for (time, frame) in ["0", "0.2", "0.4"].iter().zip(film) {
-            let still =
-                place.vofkit(&["picture", name, "--time", time, "--size", "300x260", "--out", "still.png"]);
+        let times: [&[&str]; 3] = [&["--time", "0"], &["--time", "0.2"], &[]];
+        for (time, frame) in times.iter().zip(film) {
+            let still = [&["picture", name, "--size", "300x260", "--out", "still.png"], *time].concat();
+            let still = place.vofkit(&still);
             assert_eq!((still.code, still.err.as_str()), (Some(0), ""));
-            assert!(frames(&place.path("still.png")) == [frame], "{name}, t = {time}");
+            assert!(frames(&place.path("still.png")) == [frame], "{name}, {time:?}");
         }
     }
 }
