@@ -71,7 +71,7 @@ fn frames_of_an_animation_are_of_one_size() {
     // One that cannot be drawn at all.
     refused(2, [300, 0, 300], "");
     film(3, [300; 3]).unwrap();
-    assert_eq!(files_in(folder.path()), [path.clone()]);
+    assert_eq!(files_in(folder.path()), std::slice::from_ref(&path));
 }
 
 /// A picture, read back.
