@@ -4,7 +4,7 @@
 mod cli_support;
 
 use cli_support::{Place, scene, scenes};
-use vofkit::scene::{Scene, SceneError, Stepping, Substeps, VelocitySetup};
+use vofkit::scene::{Draft, Scene, SceneError, Stepping, StillScene, Substeps, VelocitySetup};
 use vofkit::velocity::Field;
 
 const SCENE: &str = r#"
@@ -49,6 +49,11 @@ fn the_usual_normals_go_by_dimension_and_scheme() {
         .replace("[1.0, 0.5]", "[1.0, 0.5, 0.0]");
     assert_eq!(of(&space, &[]), "youngs");
     assert_eq!(of(&space, &["reconstruction.normal=swartz"]), "swartz");
+    // Where nothing moves, in space as well those that reproduce planes.
+    match Draft::load(scene("static_sphere"), &[]).unwrap().still().unwrap() {
+        StillScene::Space(scene) => assert_eq!(scene.normal_word(), "swartz"),
+        StillScene::Plane(_) => panic!("a sphere is in space"),
+    }
 }
 
 #[test]

@@ -42,7 +42,7 @@ pub enum NormalMethod {
     /// The best of the planes that differences of column heights give (Pilliod & Puckett 2004).
     Elvira,
     /// The plane through the middles of the sections of the neighbours, until it stays (Swartz 1989; Mosso et al. 1996). The default:
-    /// on nearly all meshes, undistorted or distorted, it leaves the smallest errors; scenes in space, where it takes
+    /// on nearly all meshes, undistorted or distorted, it leaves the smallest errors; scenes that move in space, where it takes
     /// far more time than gradients, have [`Self::Youngs`].
     #[default]
     Swartz,

@@ -40,16 +40,16 @@ impl ReconstructionSection {
         self.normal.as_ref().map_or("", |normal| normal.get_ref())
     }
 
-    /// Swartz' normals are the default where they are worth their time: in the plane. In space so many cells of a thin sheet take
-    /// every round that Youngs' on a finer mesh come to the same error sooner. And where the regions that leave a cell may overlap,
-    /// what corrections leave behind grows under Swartz' normals on distorted hexahedra.
+    /// Swartz' normals are the default where they are worth their time: in the plane, and in space where nothing moves. What moves in space ends in
+    /// thin sheets, of which so many cells take every round that Youngs' on a finer mesh come to the same error sooner. And where the
+    /// regions that leave a cell may overlap, what corrections leave behind grows under Swartz' normals on distorted hexahedra.
     pub(super) fn resolve(
         &mut self,
-        dimension: usize,
+        moves_in_space: bool,
         regions_overlap: bool,
         context: Context<'_>,
     ) -> Result<Reconstruction, SceneError> {
-        let usual = if dimension == 3 || regions_overlap { "youngs" } else { "swartz" };
+        let usual = if moves_in_space || regions_overlap { "youngs" } else { "swartz" };
         let normal = self.normal.get_or_insert_with(|| default(usual.to_owned()));
         let normals = [
             ("youngs", NormalMethod::Youngs),

@@ -382,7 +382,8 @@ impl<const D: usize> Still<D> {
             material.quantities = quantity::resolve_all(&section.quantity, flows_in, &mesh, context)?;
         }
         let regions_overlap = file.advection.get_ref().regions_overlap();
-        let reconstruction = file.reconstruction.resolve(D, regions_overlap, context)?;
+        let moves_in_space = D == 3 && file.moves();
+        let reconstruction = file.reconstruction.resolve(moves_in_space, regions_overlap, context)?;
         let (sections, place) = (file.materials(), file.mesh.get_ref().place());
         let parts = grid.map(|grid| material::parts(sections, &grid, reconstruction, place, context));
         let parts = parts.transpose()?.flatten();
