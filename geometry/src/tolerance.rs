@@ -82,6 +82,10 @@ pub const KOTHE_TERMS: usize = 2000;
 /// cut out of a region. Its planes are rounding, and where all of them are, any part of the region could lie between them.
 pub const PIECE_NEGLIGIBLE: f64 = 1e-15;
 
+/// How far a corner of a face lies from the plane of the others, relative to the size of the face, where the face counts as plane
+/// when its cell is cut out of a region: the rounding of coordinates of a few cell sizes.
+pub const FACE_PLANE: f64 = 1e-14;
+
 /// A difference of heights along an edge, relative to the largest component of the normal in the cell's frame, below which it
 /// is counted as that: the edge lies in the plane to far beyond rounding, and the inverse of a smaller one overflows.
 pub const HEIGHT_NEGLIGIBLE: f64 = 1e-290;

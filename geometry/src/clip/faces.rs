@@ -1,14 +1,15 @@
 //! The faces of a hexahedron, each the fan of four triangles about the mean of its nodes, and what lies on either side of them.
 //!
-//! The planes through the centre of the cell and the edges of its faces divide space into six cones, one for each face. A [`Saddle`] takes
-//! what a region has in its cone beyond the face from what it has in all; a [`Pyramid`] is what lies in its cone before it.
+//! A [`Roof`] bounds a cell from outside and takes off what it has over the fan; a [`Pyramid`] is what lies between the fan and the
+//! centre of the cell.
 
 use super::tile::{mean_of, turned_to, under, within};
 use super::{Full, Polyhedron, Region};
+use crate::tolerance::FACE_PLANE;
 use crate::{Cell, HalfSpace, Hexahedron, Vector};
 
-/// Room for what is left of a region, three times.
-pub(super) type Rooms<'a> = [&'a mut [Polyhedron; 2]; 3];
+/// Room for what is left of a region, twice.
+pub(super) type Rooms<'a> = [&'a mut [Polyhedron; 2]; 2];
 
 /// The corners of a face, in outward order.
 pub(super) fn corners(nodes: &[Vector<3>], face: usize) -> [&Vector<3>; 4] {
@@ -20,14 +21,21 @@ pub(super) fn area([a, b, c, d]: [&Vector<3>; 4]) -> Vector<3> {
     (c - a).cross(&(d - b))
 }
 
-/// A face whose fan has two opposite edges that are ridges and two that are valleys, as of every ruled face not too far from a
-/// parallelogram. It covers what lies under both triangles at the one ridge or under both at the other.
+/// Two triangles over the fan of a face, on either side of the diagonal that lies further out: `a c` of the corners `a, b, c, d`.
+///
+/// The corners are `m - u - v + w`, `m + u - v - w`, `m + u + v + w` and `m - u + v - w`, where `m` is the middle and the volume
+/// `u x v . w` is not negative. Of each triangle of the fan, one of the other corners lies `4 u x v . w` over its plane, measured
+/// along its normal, `2 (u - w) x v` for `a b m`, and the other as far under it. So the fan falls from `a` and `c` to either side and
+/// rises again to `b` and `d`, and what lies between it and the roof are two tetrahedra, `a b c m` and `c d a m`. What lies under
+/// the roof and beyond the two triangles at `b` holds all of the first and nothing but what is in one of them; so
+/// do those at `d` for the second.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Saddle {
-    /// All that lies beyond the fan, and as little as possible before it; then the planes through the centre and each edge.
-    beyond: [HalfSpace<3>; 5],
-    /// The triangles at each ridge.
-    ridges: [[HalfSpace<3>; 2]; 2],
+pub(super) struct Roof<'a> {
+    corners: [&'a Vector<3>; 4],
+    /// The half-spaces under the two triangles; one and the same where the face is plane.
+    pub(super) planes: [HalfSpace<3>; 2],
+    /// Whether there is nothing between roof and fan.
+    pub(super) is_plane: bool,
 }
 
 /// The part of a hexahedron between its centre and one face.
@@ -79,7 +87,7 @@ impl Pyramid {
     pub(super) fn common(
         &self,
         region: &Polyhedron,
-        [outer, inner, _]: &mut Rooms<'_>,
+        [outer, inner]: &mut Rooms<'_>,
         visit: &mut impl FnMut(f64, &Polyhedron),
     ) -> Result<(), Full> {
         if !self.is_convex {
@@ -111,53 +119,53 @@ impl Pyramid {
     }
 }
 
-impl Saddle {
-    /// The face, if it is one and the centre of the cell sees all of it.
-    pub(super) fn new(centre: &Vector<3>, corners: [&Vector<3>; 4], negligible: f64) -> Option<Self> {
-        let ([a, b, c, d], is_convex) = cone(centre, corners);
-        let middle = mean_of(corners.into_iter());
-        let triangles: [HalfSpace<3>; 4] =
-            std::array::from_fn(|i| under(&middle, corners[i], corners[(i + 1) % 4]));
+impl<'a> Roof<'a> {
+    /// The roof of a face with these corners, in outward order.
+    pub(super) fn new(corners: [&'a Vector<3>; 4]) -> Self {
+        let [a, b, c, d] = corners;
         let normal = area(corners);
-        let lowest = corners.iter().map(|x| normal.dot(x)).fold(f64::INFINITY, f64::min);
-        let beyond = HalfSpace { normal: -normal, constant: -lowest };
-        let is_seen = |triangle: &HalfSpace<3>| triangle.height(centre) < -negligible;
-        if !(is_convex && triangles.iter().all(is_seen) && beyond.height(centre) >= 0.0) {
-            return None;
-        }
-        // How far the corner before an edge of the fan lies over the triangle after it.
-        let bends: [f64; 4] = std::array::from_fn(|i| triangles[i].height(corners[(i + 3) % 4]));
-        let is_ridge = |i: usize| bends[i] <= negligible && bends[i + 2] <= negligible;
-        let is_valley = |i: usize| bends[i % 2] >= -negligible && bends[i % 2 + 2] >= -negligible;
-        let first = (0..2).find(|&i| is_ridge(i) && is_valley(i + 1))?;
-        let ridge = |i: usize| [triangles[(i + 3) % 4], triangles[i]];
-        Some(Self { beyond: [beyond, a, b, c, d], ridges: [ridge(first), ridge(first + 2)] })
+        let twist = (a - b) + (c - d);
+        let height = normal.dot(&twist);
+        let size = normal.amax() * (c - a).amax().max((d - b).amax());
+        let is_plane = height.abs() <= FACE_PLANE * size;
+        let corners = if height < 0.0 { [b, c, d, a] } else { corners };
+        let [a, b, c, d] = corners;
+        let planes = match is_plane {
+            // Two of its corners may be one.
+            true => [HalfSpace { normal, constant: normal.dot(&mean_of(corners.into_iter())) }; 2],
+            false => [under(a, b, c), under(a, c, d)],
+        };
+        Self { corners, planes, is_plane }
     }
 
-    /// Visits pieces that add up, with their signs, to what a region has beyond the face, turned inside out.
+    /// Whether the cell with these nodes lies under it.
+    pub(super) fn covers(&self, nodes: &[Vector<3>; 8]) -> bool {
+        let is_own = |x: &Vector<3>| self.corners.contains(&x);
+        self.planes.iter().all(|plane| nodes.iter().all(|x| plane.height(x) <= 0.0 || is_own(x)))
+    }
+
+    /// Visits pieces that add up, with their signs, to what a region under it has beyond the fan, turned inside out.
     pub(super) fn take(
         &self,
         region: &Polyhedron,
-        [outer, inner, both]: &mut Rooms<'_>,
+        [outer, inner]: &mut Rooms<'_>,
         visit: &mut impl FnMut(f64, &Polyhedron),
     ) -> Result<(), Full> {
-        let Some(slice) = within(region, &self.beyond, outer)? else { return Ok(()) };
-        let [first, second] = &self.ridges;
-        let covers = |ridge: &[HalfSpace<3>; 2]| {
-            ridge.iter().all(|triangle| slice.corners().all(|x| triangle.height(x) <= 0.0))
-        };
-        if covers(first) || covers(second) {
+        if self.is_plane {
             return Ok(());
         }
-        visit(-1.0, slice);
-        if let Some(part) = within(slice, first, inner)? {
-            visit(1.0, part);
-            if let Some(twice) = within(part, second, both)? {
-                visit(-1.0, twice);
+        let [a, b, c, d] = self.corners;
+        let middle = mean_of(self.corners.into_iter());
+        let beyond = |a, b| under(&middle, b, a);
+        let (first, second) = ([beyond(a, b), beyond(b, c)], [beyond(c, d), beyond(d, a)]);
+        if let Some(part) = within(region, &first, outer)? {
+            visit(-1.0, part);
+            if let Some(twice) = within(part, &second, inner)? {
+                visit(1.0, twice);
             }
         }
-        if let Some(part) = within(slice, second, inner)? {
-            visit(1.0, part);
+        if let Some(part) = within(region, &second, outer)? {
+            visit(-1.0, part);
         }
         Ok(())
     }

@@ -86,6 +86,9 @@ pub trait Region<const D: usize>: Clone + Send + Sync + fmt::Debug {
     /// Volume and first moment.
     fn moments(&self) -> Moments<D>;
 
+    /// Where it lies, seen from the plane of a half-space.
+    fn side(&self, half_space: &HalfSpace<D>) -> Side;
+
     /// Writes the part in the half-space to `below`, but only where the answer is [`Side::Across`].
     ///
     /// # Errors

@@ -101,6 +101,10 @@ impl Region<2> for Polygon {
         Moments { volume, first: first + self.points[0] * volume }
     }
 
+    fn side(&self, half_space: &HalfSpace<2>) -> Side {
+        self.heights(half_space).side
+    }
+
     fn cut(&self, half_space: &HalfSpace<2>, below: &mut Self) -> Result<Side, Full> {
         let heights = self.heights(half_space);
         if heights.side == Side::Across {

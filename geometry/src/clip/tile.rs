@@ -5,12 +5,12 @@
 //! does. A tile need not be convex: it is cut out of a region piece by convex piece.
 //!
 //! - A parallelepiped, and a convex quadrilateral, is one piece.
-//! - Of any other hexahedron, first what lies in six half-spaces along its faces; then what of that lies beyond the faces is taken
-//!   away, face by face. Few faces of a cell meet a region that does not hold all of it.
-//! - Where the centre of the cell does not see all of its faces, it is six pyramids from there: each the cone over the edges of
-//!   a face, under the four triangles of the fan, and where a cone is not convex or a piece is turned inside out, signed simplices.
+//! - Of any other hexahedron, first what lies under roofs of two triangles over its faces; then what of that lies between the roofs
+//!   and the fans is taken away, face by face. Few faces of a cell meet a region that does not hold all of it.
+//! - Where the roofs are not convex, it is six pyramids from its centre: each the cone over the edges of a face, under the
+//!   four triangles of the fan, and where a cone is not convex or a piece is turned inside out, signed simplices.
 
-use super::faces::{Pyramid, Saddle, area, corners};
+use super::faces::{Pyramid, Roof, area, corners};
 use super::{Full, Polygon, Polyhedron, Region, Side};
 use crate::submesh::{self, Triangulation};
 use crate::tolerance::PIECE_NEGLIGIBLE;
@@ -22,7 +22,6 @@ pub struct Workspace<R> {
     whole: [R; 2],
     outer: [R; 2],
     inner: [R; 2],
-    both: [R; 2],
 }
 
 impl<R> Workspace<R> {
@@ -32,7 +31,7 @@ impl<R> Workspace<R> {
         R: Region<D>,
     {
         let pair = || [R::empty(), R::empty()];
-        Self { whole: pair(), outer: pair(), inner: pair(), both: pair() }
+        Self { whole: pair(), outer: pair(), inner: pair() }
     }
 }
 
@@ -89,9 +88,20 @@ pub(super) fn within<'a, R: Region<D>, const D: usize>(
     half_spaces: &[HalfSpace<D>],
     work: &'a mut [R; 2],
 ) -> Result<Option<&'a R>, Full> {
+    // What lies apart is not cut at all, and no plane is looked at twice that does not meet the region.
+    let mut across = 0_u64;
+    for (i, half_space) in half_spaces.iter().enumerate() {
+        match region.side(half_space) {
+            Side::Below => {}
+            Side::Above => return Ok(None),
+            Side::Across => across |= 1 << i,
+        }
+    }
     let [mut current, mut next] = work.each_mut();
     let mut is_cut = false;
-    for half_space in half_spaces {
+    while across != 0 {
+        let half_space = &half_spaces[across.trailing_zeros() as usize];
+        across &= across - 1;
         let whole = if is_cut { &*current } else { region };
         match whole.cut(half_space, next)? {
             Side::Below => {}
@@ -190,16 +200,30 @@ impl Tile<2> for QuadTile {
 
 /// A hexahedron, prepared as its shape allows.
 #[derive(Clone, Debug)]
-pub enum HexahedronTile {
-    /// A parallelepiped.
-    Convex([HalfSpace<3>; 6]),
-    /// Any other.
-    Ruled {
-        /// The nodes of the cell.
-        nodes: [Vector<3>; 8],
-        /// Half-spaces along its faces that hold all of it.
-        hull: [HalfSpace<3>; 6],
-    },
+pub struct HexahedronTile {
+    nodes: [Vector<3>; 8],
+    /// Half-spaces that hold all of it, of which the first `count` are in use.
+    hull: [HalfSpace<3>; 12],
+    count: usize,
+    shape: Shape,
+}
+
+/// How a hexahedron lies in its hull.
+#[derive(Clone, Copy, Debug)]
+enum Shape {
+    /// It fills it.
+    Parallelepiped,
+    /// But for what lies between roofs and fans.
+    Roofed,
+    /// As pyramids from its centre.
+    Pyramids,
+}
+
+impl HexahedronTile {
+    fn add(&mut self, half_space: HalfSpace<3>) {
+        self.hull[self.count] = half_space;
+        self.count += 1;
+    }
 }
 
 impl Tile<3> for HexahedronTile {
@@ -207,21 +231,38 @@ impl Tile<3> for HexahedronTile {
     type Cell = Hexahedron;
 
     fn new(cell: &Hexahedron) -> Self {
-        let x = cell.nodes();
+        let nodes: [Vector<3>; 8] = std::array::from_fn(|i| cell.nodes()[i]);
+        let nothing = HalfSpace { normal: Vector::zeros(), constant: 0.0 };
+        let mut tile = Self { nodes, hull: [nothing; 12], count: 0, shape: Shape::Parallelepiped };
+        let x = &nodes;
         if cell.is_affine() {
             let turn = cell.volume().signum();
-            return Self::Convex(std::array::from_fn(|face| {
+            for face in 0..6 {
                 let [a, b, c, _] = corners(x, face);
                 let outward = under(a, b, c);
-                if turn < 0.0 { outward.complement() } else { outward }
-            }));
+                tile.add(if turn < 0.0 { outward.complement() } else { outward });
+            }
+            return tile;
         }
-        let hull = std::array::from_fn(|face| {
-            let normal = area(corners(x, face));
-            let constant = x.iter().map(|x| normal.dot(x)).fold(f64::NEG_INFINITY, f64::max);
-            HalfSpace { normal, constant }
-        });
-        Self::Ruled { nodes: std::array::from_fn(|i| x[i]), hull }
+        tile.shape = Shape::Roofed;
+        for face in 0..6 {
+            let roof = Roof::new(corners(x, face));
+            if !roof.covers(x) {
+                tile.shape = Shape::Pyramids;
+                break;
+            }
+            let planes = if roof.is_plane { &roof.planes[..1] } else { &roof.planes };
+            planes.iter().for_each(|plane| tile.add(*plane));
+        }
+        if let Shape::Pyramids = tile.shape {
+            tile.count = 0;
+            for face in 0..6 {
+                let normal = area(corners(x, face));
+                let constant = x.iter().map(|x| normal.dot(x)).fold(f64::NEG_INFINITY, f64::max);
+                tile.add(HalfSpace { normal, constant });
+            }
+        }
+        tile
     }
 
     fn common(
@@ -230,27 +271,23 @@ impl Tile<3> for HexahedronTile {
         work: &mut Workspace<Polyhedron>,
         visit: &mut impl FnMut(f64, &Polyhedron),
     ) -> Result<(), Full> {
-        match self {
-            Self::Convex(half_spaces) => {
-                if let Some(part) = within(region, half_spaces, &mut work.outer)? {
-                    visit(1.0, part);
-                }
+        let Some(near) = within(region, &self.hull[..self.count], &mut work.whole)? else { return Ok(()) };
+        let rooms = &mut [&mut work.outer, &mut work.inner];
+        let mut faces = (0..6).map(|face| corners(&self.nodes, face));
+        match self.shape {
+            Shape::Parallelepiped => {
+                visit(1.0, near);
                 Ok(())
             }
-            Self::Ruled { nodes, hull } => {
-                let Some(near) = within(region, hull, &mut work.whole)? else { return Ok(()) };
-                let centre = mean_of(nodes.iter());
-                let negligible = PIECE_NEGLIGIBLE * extent(nodes).powi(3);
-                let rooms = &mut [&mut work.outer, &mut work.inner, &mut work.both];
-                let saddle = |face: usize| Saddle::new(&centre, corners(nodes, face), negligible);
-                let saddles: [Option<Saddle>; 6] = std::array::from_fn(saddle);
-                if let [Some(a), Some(b), Some(c), Some(d), Some(e), Some(f)] = &saddles {
-                    visit(1.0, near);
-                    return [a, b, c, d, e, f].iter().try_for_each(|face| face.take(near, rooms, visit));
-                }
-                (0..6).try_for_each(|face| {
-                    let pyramid = Pyramid::new(&centre, corners(nodes, face), negligible);
-                    pyramid.common(near, rooms, visit)
+            Shape::Roofed => {
+                visit(1.0, near);
+                faces.try_for_each(|corners| Roof::new(corners).take(near, rooms, visit))
+            }
+            Shape::Pyramids => {
+                let centre = mean_of(self.nodes.iter());
+                let negligible = PIECE_NEGLIGIBLE * extent(&self.nodes).powi(3);
+                faces.try_for_each(|corners| {
+                    Pyramid::new(&centre, corners, negligible).common(near, rooms, visit)
                 })
             }
         }
