@@ -16,11 +16,13 @@ use crate::mesh::locate::{Candidate, Locator};
 use crate::quantity::MaterialQuantity;
 
 /// A mesh with its materials before a step.
-pub(super) struct Source<'a, C, const D: usize> {
+pub(super) struct Source<'a, C: Cell<D>, const D: usize> {
     pub(super) mesh: &'a Mesh<C, D>,
     pub(super) locator: &'a Locator<D>,
     pub(super) fractions: &'a [Vec<f64>],
     pub(super) nested: &'a Nested<D>,
+    /// The [tiles](Nested::tiles) of its cells.
+    pub(super) tiles: &'a [C::Tile],
     /// The material outside the mesh; none for void.
     pub(super) outside: Option<usize>,
     /// The quantities of the materials; none where there are none.
@@ -319,7 +321,10 @@ impl<C: Cell<D>, const D: usize> Source<'_, C, D> {
                 continue;
             }
             let shift = candidate.shift - origin;
-            let tile = C::Tile::new(&self.mesh.shifted_cell(candidate.cell, &shift));
+            let tile = match self.nested.place_of(candidate.cell) {
+                Some(place) => self.tiles[place].translated(&(self.mesh.anchor(candidate.cell) + shift)),
+                None => C::Tile::new(&self.mesh.shifted_cell(candidate.cell, &shift)),
+            };
             let record = self.load.map(|load| (self.donor(candidate, origin), load.carried, &mut *record));
             let mut cut = Cut::<C, D> { tile, work, amounts, record };
             match pure {

@@ -5,6 +5,7 @@
 //! up to what the cells hold.
 
 use vofkit_geometry::Cell;
+use vofkit_geometry::clip::Tile;
 
 use super::places::Places;
 use crate::interface::{
@@ -35,6 +36,17 @@ impl<const D: usize> Nested<D> {
     /// The shares in a cell, the last of which takes the rest; none if it is pure, or was not among those given.
     pub(super) fn of(&self, cell: usize) -> Option<&[Option<(usize, Share<D>)>]> {
         self.cells.of(cell).map(|slot| &self.shares[slot * self.components..][..self.components])
+    }
+
+    /// The tiles of the cells that have shares, relative to their [anchors](Mesh::anchor): many regions meet each.
+    pub(super) fn tiles<C: Cell<D>>(&self, mesh: &Mesh<C, D>) -> Vec<C::Tile> {
+        let cells = self.cells.items();
+        parallel::map(cells.len(), |slot| C::Tile::new(&mesh.local_cell(cells[slot] as usize)))
+    }
+
+    /// The place of a cell among those that have shares; none if it is pure, or was not among those given.
+    pub(super) fn place_of(&self, cell: usize) -> Option<usize> {
+        self.cells.of(cell)
     }
 
     /// Places the planes in the mixed ones of some cells, and counts them.

@@ -78,6 +78,7 @@ pub fn remap<C: Cell<D>, const D: usize>(
     let mut nested = Nested::new(from.grid().len());
     let untimed = &mut Stopwatch::default();
     ledger.counts = nested.place(from, fractions, 0..from.grid().len(), reconstruction, untimed)?;
+    let tiles = &nested.tiles(from);
     let locator = Locator::new(from);
     let carried = carried(quantities, materials);
     let mut carry = Carry::new();
@@ -88,7 +89,8 @@ pub fn remap<C: Cell<D>, const D: usize>(
     }
     let load = Load { carry: &carry, quantities, carried: &carried };
     let load = (!quantities.is_empty()).then_some(load);
-    let source = Source { mesh: from, locator: &locator, fractions, nested: &nested, outside: None, load };
+    let source =
+        Source { mesh: from, locator: &locator, fractions, nested: &nested, tiles, outside: None, load };
     let mut findings = vec![Finding::new(); cells];
     let mut volumes = vec![0.0; cells * materials];
     parallel::for_each_with_scratch(

@@ -167,6 +167,7 @@ impl<const D: usize> Unsplit<D> {
         let cells = &step.band.cells()[..];
         let band = || cells.iter().map(|&cell| cell as usize);
         ledger.counts.add(&nested.place(step.mesh, fractions, band(), step.reconstruction, stopwatch)?);
+        let tiles = &nested.tiles(step.mesh);
         traces.trace(step.mesh, step.displacement, cells);
         let carried = carried(quantities, materials);
         if !quantities.is_empty() {
@@ -175,8 +176,15 @@ impl<const D: usize> Unsplit<D> {
         }
         let load = Load { carry, quantities, carried: &carried };
         let load = (!quantities.is_empty()).then_some(load);
-        let source =
-            Source { mesh: step.mesh, locator, fractions, nested, outside: step.boundary.inflow, load };
+        let source = Source {
+            mesh: step.mesh,
+            locator,
+            fractions,
+            nested,
+            tiles,
+            outside: step.boundary.inflow,
+            load,
+        };
         findings.resize_with(cells.len(), Finding::new);
         volumes.clear();
         volumes.resize(cells.len() * KEPT * materials, 0.0);

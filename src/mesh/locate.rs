@@ -231,7 +231,14 @@ fn bounds_of_children<const D: usize>(
 
 fn cell_bounds<C: Cell<D>, const D: usize>(mesh: &Mesh<C, D>, offset: [usize; D]) -> [Vector<D>; 2] {
     let grid = mesh.grid();
-    let corner = |i: &[usize; D]| mesh.nodes()[grid.node_index(std::array::from_fn(|k| offset[k] + i[k]))];
-    let corners = C::OFFSETS.iter().map(corner);
-    corners.fold(bounds([]), |[low, high], x| [low.inf(&x), high.sup(&x)])
+    let first = grid.node_index(offset);
+    let [mut low, mut high] = [mesh.nodes()[first]; 2];
+    for corner in &C::OFFSETS[1..] {
+        let x = &mesh.nodes()[first + grid.node_index(*corner)];
+        for k in 0..D {
+            low[k] = if x[k] < low[k] { x[k] } else { low[k] };
+            high[k] = if x[k] > high[k] { x[k] } else { high[k] };
+        }
+    }
+    [low, high]
 }

@@ -36,7 +36,7 @@ impl<R> Workspace<R> {
 }
 
 /// A cell prepared for being cut out of regions; see [`crate::clip::tile`].
-pub trait Tile<const D: usize>: Sized {
+pub trait Tile<const D: usize>: Clone + Send + Sync + std::fmt::Debug {
     /// What it is cut out of.
     type Region: Region<D>;
     /// The cell.
@@ -44,6 +44,9 @@ pub trait Tile<const D: usize>: Sized {
 
     /// The tile of a cell.
     fn new(cell: &Self::Cell) -> Self;
+
+    /// The tile moved by `shift`.
+    fn translated(&self, shift: &Vector<D>) -> Self;
 
     /// The mean of the nodes of each face; `2 D` of them.
     fn middles(cell: &Self::Cell) -> [Vector<D>; 6] {
@@ -174,6 +177,14 @@ impl Tile<2> for QuadTile {
         Self { pieces: [triangle([0, 1, 2]), triangle([0, 2, 3])], sides: 3 }
     }
 
+    fn translated(&self, shift: &Vector<2>) -> Self {
+        let mut moved = self.clone();
+        for half_space in moved.pieces.iter_mut().flat_map(|(half_spaces, _)| half_spaces) {
+            *half_space = half_space.translated(shift);
+        }
+        moved
+    }
+
     fn common(
         &self,
         region: &Polygon,
@@ -263,6 +274,15 @@ impl Tile<3> for HexahedronTile {
             }
         }
         tile
+    }
+
+    fn translated(&self, shift: &Vector<3>) -> Self {
+        let mut moved = self.clone();
+        moved.nodes.iter_mut().for_each(|x| *x += shift);
+        for half_space in &mut moved.hull[..self.count] {
+            *half_space = half_space.translated(shift);
+        }
+        moved
     }
 
     fn common(
